@@ -22,8 +22,8 @@ typedef struct deviant {
     int chunk_size; /* edge length of a chunk in voxels; 0 before there are chunks */
 } deviant;
 
-/* Begins the next call of a stage, which processes a grid with these dims. It becomes the current call. Does
-   nothing if m is NULL. */
+/* Begins the next call of a stage and makes it the current call. The call processes a grid with these dims.
+   Does nothing if m is NULL. */
 void deviant_begin(deviant *m, deviation_stage stage, ost_dims dims, int chunk_size);
 /* Makes an earlier call of the stage the current call again. Does nothing if m is NULL. */
 void deviant_return(deviant *m, deviation_stage stage, uint64_t call, ost_dims dims, int chunk_size);
@@ -41,12 +41,12 @@ uint64_t deviant_draw(const deviant *m, uint64_t item);
    arithmetic are fused. m may be NULL. */
 bool deviant_thesis(const deviant *m, bool *fused);
 
-/* Records that the mistake changed an intermediate value while unit `item` of the stage was computed. voxel may be
-   NULL. */
+/* Records that the mistake changed an intermediate value while unit `item` of the stage was computed. `voxel` may
+   be NULL. */
 void deviant_acted(deviant *m, uint64_t item, const int32_t voxel[3]);
 /* Records that the mistake has changed this voxel of the result. */
 void deviant_changed_voxel(deviant *m, const int32_t voxel[3]);
-/* Records that the report of the current call is not correct. chunk is -1 if the difference is not in the line of one
+/* Records that the report of the current call is not correct. `chunk` is -1 if the difference is not in the line of a
    chunk. */
 void deviant_changed_report(deviant *m, int64_t chunk);
 

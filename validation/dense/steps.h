@@ -37,7 +37,7 @@ ost_geometry steps_cubic(const ost_geometry *rect, ost_pm cubic);
 /* Computes the tool's grid by AR-TOOL-2 from the cutting and the non-cutting mesh. The second mesh may have no
    triangles. Returns false if the first mesh has no triangles or a limit of AR-TOOL-1 is exceeded. */
 bool steps_tool_grid(const ost_mesh meshes[2], ost_pm voxel, ost_tool_geometry *out);
-/* Snaps a mesh by AR-MESH-3 and AR-MESH-4. The caller frees out with ost_snapped_mesh_free. */
+/* Snaps a mesh by AR-MESH-3 and AR-MESH-4. The caller frees `out` with ost_snapped_mesh_free. */
 ost_status steps_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out, ost_error *err);
 
 /* Returns the number of poses by AR-SWEEP-2 and AR-SWEEP-3. Returns 0 if one of these rules refuses the motion. */
@@ -58,7 +58,7 @@ bool steps_bounds(const ost_pose *pose, const ost_geometry *bone, const ost_tool
 bool steps_reaches(const ost_map *map, const ost_geometry *bone, const ost_tool_geometry *tool,
                    const ost_voxel_box *bounds);
 
-/* Computes the ticks of AR-MOTOR-7 for a path whose rows are poses of the handle. The caller frees out with
+/* Computes the ticks of AR-MOTOR-7 for a path whose rows are poses of the handle. The caller frees `out` with
    ost_path_free. */
 ost_status steps_motor_path(const ost_path *rows, int32_t rpm, ost_path *out, ost_error *err);
 

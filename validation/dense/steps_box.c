@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the voxels that a broad phase must include (AR-REM-5). docs/spec/arithmetic.md prescribes no box, so the
- * result is only a bound for boxes: the range of voxels whose centres lie in the bone-aligned bounds of the tool's
- * grid, enlarged by one tool voxel on each side. If a voxel is inside the tool's grid, the box of sim/box.h includes
- * this range. If no voxel is inside, that box may be empty.
+ * Computes the voxels that a broad phase must include (AR-REM-5): the voxels whose centres lie in the bone-aligned
+ * bounds of the tool's grid, after the grid is enlarged by one tool voxel on each side. docs/spec/arithmetic.md
+ * prescribes no box, so these voxels are only a bound. The box of sim/box.h includes them if a voxel is inside the
+ * tool's grid. If no voxel is inside, that box may be empty.
  */
 #include "validation/dense/steps.h"
 

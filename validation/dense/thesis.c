@@ -46,8 +46,8 @@ static float ceil_multiple(float x, float m)
 
 /* ---------------------------------------------------------------- import */
 
-/* Computes a sample's index as in Alg. 1.1, but with the dims of the grid. The dims of Alg. 2.3 are too small by one
-   if positions are multiples of the voxel size. */
+/* Computes a sample's voxel by Alg. 2.4, from an index (Alg. 1.1) with the dims of Alg. 2.3. These dims are too
+   small by one if positions are multiples of the voxel size. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3])
 {
     const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};

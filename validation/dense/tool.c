@@ -170,7 +170,7 @@ static void add_triangle(const manner *how, const ost_snapped_mesh *mesh, size_t
 
 /* ------------------------------------------------------------- all rows */
 
-/* Writes the solid voxels of one mesh. In rows in which the mistake UNCLEARED_COUNTS is made, the counts of the
+/* Writes the solid voxels of one mesh. If the mistake UNCLEARED_COUNTS is made in a row, the counts of the
    previous row are not cleared. */
 static void add_mesh(const manner *how, const ost_snapped_mesh *mesh, ost_fill_rule rule, uint8_t tool_class,
                      const row *r, uint8_t *voxels, ost_voxelize_report *report)
