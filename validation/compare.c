@@ -126,7 +126,7 @@ static bool leaf_before(const trace *t, compare_range range, size_t at, const tr
 }
 
 /* Compares the blocks of two records. A block that only one record contains is compared with the latest earlier
-   record of the other trace. Returns false if no such record contains the block. */
+   block at the same position in the other trace. Returns false if there is none. */
 static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                            compare_difference *out)
 {

@@ -30,8 +30,9 @@ static int64_t gap_to(int64_t u, int64_t cell, int64_t step)
 /*
  * Returns the Chebyshev distance from u to the nearest tool voxel that cuts or, if `cutting` is false, to the
  * nearest one that does not cut; -1 if there is none. The search visits rings of voxels around the voxel that
- * contains u. The distance from u to a voxel in ring r is at most r, and in all later rings at least r.
- * Therefore the first ring that contains a voxel of the required type contains the nearest one.
+ * contains u. The distance from u to a voxel in ring r is at most r, and the distance to a voxel in a later
+ * ring is at least r. Therefore the first ring that contains a voxel of the required type contains the
+ * nearest one.
  */
 static int64_t nearest(const trace_block_view *tool, const int64_t u[3], bool cutting)
 {

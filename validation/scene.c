@@ -70,8 +70,8 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
         dims = (ost_dims){dims.x < 8 ? 8 : dims.x, dims.y < 8 ? 8 : dims.y, dims.z < 8 ? 8 : dims.z};
     }
     if (c->number % 7 == 6) {
-        /* Means are computed along all axes. Along x, the first vector of 16 means has source voxels in a span
-           of more than 64 voxels, and the remaining means have a span of more than 32 voxels. */
+        /* Means are computed along all axes. Along x, the source voxels of the first 16 means (one vector)
+           span more than 64 voxels, and those of the remaining means span more than 32 voxels. */
         const ost_pm x = s->rect.spacing.x;
         s->rect.spacing = (ost_pm3){x, draw_between(d, x * 3 / 2, 2 * x), draw_between(d, x / 2, x * 4 / 5)};
         s->cubic = draw_between(d, x * 9 / 2, 5 * x);

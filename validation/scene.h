@@ -50,8 +50,8 @@ typedef struct scene {
        is `rect`, and only the steps (steps_record.h) are computed. */
     ost_world_options world;
     ost_path path;
-    /* Poses of the handle. The motor speed `handle_rpm` and these poses give `path`. Without a motor, there are
-       none. */
+    /* Poses of the handle, if there is a motor. `path` is computed from these poses and the motor speed
+       `handle_rpm`. */
     ost_path handle_path;
     int32_t handle_rpm;
     /* The backend also collides the tool before each tick whose number is a multiple of this value. 0 means never. */

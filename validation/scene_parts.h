@@ -68,8 +68,8 @@ typedef enum scene_shape {
     SHAPE_COUNT
 } scene_shape;
 
-/* Adds a tool that is about `size` wide and has voxels of size `voxel`. If noncutting is true, a part of the tool does
-   not cut. */
+/* Adds a tool that is about `size` wide and has voxels of size `voxel`. If `noncutting` is true, a part of the tool
+   does not cut. */
 ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost_pm voxel, bool noncutting,
                           ost_fill_rule rule, ost_error *err);
 
@@ -81,7 +81,7 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
 ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 
 /* Adds small solids in random orientations with more than 2^16 triangles in total. Nearly all of the triangles have
-   rows of voxels within their bounds. */
+   the centre of a row within their bounds. */
 ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 
 /* Returns `count` density classes, 1 to 8, whose lowest densities are 1, 1 + step, 1 + 2 step, ... */

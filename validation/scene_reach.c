@@ -8,7 +8,7 @@
  *            one voxel. The chunks of one event have more than 2^22 voxels. There
  *            are duplicates at every distance within a batch.
  *            First tool: a bar of 530 voxels along x. A quarter of it does not
- *            cut. At the end of the bar, the base of a far block is a tie.
+ *            cut. At the end of the bar, the base of a distant block is a tie.
  *   rods     CT: slices, 8 m from the origin; 1 to 8 density classes. One event
  *            empties chunks of 64^3 voxels (counts beyond 2^16, sums beyond 2^32).
  *            In another event, the densities require 14 bits.

@@ -33,7 +33,10 @@ typedef struct witness {
 static void watch(void *user, trace_stage stage, uint32_t item)
 {
     witness *w = user;
-    /* A backend computes neither snapped meshes nor steps. The steps of an event are recorded only after the event. */
+    /*
+     * These stages are skipped: a backend computes neither snapped meshes nor steps, and the steps of an event are
+     * recorded only after the event.
+     */
     if (w->seen || stage == TRACE_SNAP ||
         stage == TRACE_STEPS)
         return;
@@ -282,7 +285,7 @@ typedef struct proof {
     uint64_t injections;
     deviation_kind kinds[DEVIATION_KINDS]; /* the kinds of mistakes of the second pass */
     uint64_t kind_count;                   /* number of these kinds; 0 in the first pass */
-    int end;                               /* number after that of the last scene of the pass */
+    int end;                               /* number of the pass's last scene, plus 1 */
     void (*show)(void *user, const char *what, double share);
     void *user;
     pthread_mutex_t lock; /* protects the following members and *out */

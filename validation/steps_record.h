@@ -29,7 +29,10 @@ typedef struct steps_pose {
     ost_voxel_box box;   /* bounding box of the voxels that can be inside the tool's grid; empty if there are none */
 } steps_pose;
 
-/* Returns the first voxels of the three blocks whose bases are recorded: the grid's first, middle and last block. */
+/*
+ * Three blocks have recorded bases: the first, the middle and the last block of the grid. Returns the first voxel of
+ * each of these blocks.
+ */
 void steps_blocks(ost_dims bone, int32_t first[3][3]);
 
 /* Computes the digest of a mesh (AR-DIG-7) with code of its own, for comparison with src/core. */

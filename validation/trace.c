@@ -93,10 +93,7 @@ bool trace_word_holds(trace_stage stage, size_t word, const uint8_t *is, const u
     if (stage != TRACE_TICK)
         return steps_word_holds(word, is, least);
     const int64_t has = (int64_t)trace_word_at(is, word), needs = (int64_t)trace_word_at(least, word);
-    /*
-     * A range of chunks may begin below the bound and end above it. boxes_meet may be set although the bound is
-     * 0.
-     */
+    /* A range of chunks may begin below the bound and end above it. boxes_meet may be 1 even if the bound is 0. */
     return word >= 4 && word % 2 == 0 ? has <= needs
                                       : has >= needs;
 }

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stores the user's own files as cases. The files are read once, before any backend
- * runs, and stored as the integers that every backend gets.
+ * Stores the user's own files as cases. The files are read once, before any backend runs, and stored as the
+ * integers that every backend gets.
  *
  *   CT, meshes, paths --the command reads and checks--> user_case_begin, _samples, _end
  *        '--> a file without a name (scratch.h) --mapped by this process and every worker--> user_scene
  *
- * A worker inherits the store as descriptor WORKER_USER. It has neither the original files nor their names.
- * Samples remain in the mapped store, 32 bytes each, so that memory use does not grow with the number of
- * workers.
+ * A worker inherits the store as descriptor WORKER_USER. The worker has neither the original files nor their
+ * names. Samples remain in the mapped store, 32 bytes each, so that memory use does not grow with the number
+ * of workers.
  */
 #ifndef OST_VALIDATION_USER_STORE_H
 #define OST_VALIDATION_USER_STORE_H

@@ -60,9 +60,9 @@ static void scatter(lab *l)
  * Checks the resampling of layers at 0, 2.5 and 5 mm to a spacing of 1 mm. The grid has ceil(3 x 2.5) = 8 layers, and
  * the first layer is at (1 - 2.5) / 2 = -0.75 mm. By the `linear` rule, layer k lies at t = (2 k - 1.5) / 5, where t
  * counts source layers. For k = 0, t is below 0. For k = 1 to 5, t is 0.1, 0.5, 0.9, 1.3 and 1.7. For k = 6 and 7, t is
- * at least 2. For k = 2, the mean of 119 and 120 is a tie, which becomes 120. For k = 4 and 5, the results are 120 +
- * 180 x 0.3 = 174 and 120 + 180 x 0.7 = 246. The `nearest` rule selects the source layer floor((2 k + 1) / 5), limited
- * to 2, and the `thesis` rule selects floor(k / 2.5). The threshold is applied afterwards.
+ * at least 2. For k = 2, the mean of 119 and 120 is a tie, which becomes 120. For k = 4 and 5, the results are
+ * 120 + 180 x 0.3 = 174 and 120 + 180 x 0.7 = 246. The `nearest` rule selects the source layer floor((2 k + 1) / 5),
+ * limited to 2, and the `thesis` rule selects floor(k / 2.5). The threshold is applied afterwards.
  */
 static void layers(lab *l)
 {
@@ -193,15 +193,15 @@ static void classes(lab *l)
 }
 
 /*
- * Checks the digests of two grids. tests/oracle/check_digests.py reads the digests below and compares them with the
- * digests that an independent implementation of AR-DIG computes.
+ * Checks the digests of two grids. tests/oracle/check_digests.py reads the digests below and compares them
+ * with the digests that an independent implementation of AR-DIG computes.
  *
- * The bone has 65 x 1 x 33 voxels of 1 mm with the first centre at (1, -2, 3) mm, threshold 120, and the density 100
- * + i % 1000 at voxel i. It has 3 x 1 x 2 leaves. The tree hash combines the hash of the first four leaves with the
- * hash of the last two.
+ * The bone has 65 x 1 x 33 voxels of 1 mm with the first centre at (1, -2, 3) mm,
+ * threshold 120, and the density 100 + i % 1000 at voxel i. It has 3 x 1 x 2 leaves. The
+ * tree hash combines the hash of the first four leaves with the hash of the last two.
  *
- * The tool has 33 x 34 x 33 voxels of 1 mm with the corner at (-1, 0, 2) mm, and the class (i + i / 33) % 3 at voxel
- * i. It has 2 x 2 x 2 leaves. The first leaf lies completely in the grid, and the other seven extend beyond it.
+ * The tool has 33 x 34 x 33 voxels of 1 mm with the corner at (-1, 0, 2) mm, and the class (i + i / 33) % 3 at
+ * voxel i. It has 2 x 2 x 2 leaves. The first leaf lies completely in the grid, and the other seven extend beyond it.
  */
 static void digests(lab *l)
 {

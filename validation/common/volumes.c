@@ -103,8 +103,9 @@ static void slot(lab *l)
                "%llu voxels", gone);
 }
 
-/* Checks a cube with an edge of 8 mm that is rotated by 45 degrees about z. In each of the 8 layers of bone voxels, it
-   contains the integer points with |x| + |y| <= 4 sqrt 2 = 5.66 around its centre. There are 61 such points. */
+/* Checks a cube with an edge of 8 mm that is rotated by 45 degrees about z. In each of the 8 layers of bone voxels,
+   the cube contains the integer points with |x| + |y| <= 4 sqrt 2 = 5.66 around its centre. There are 61 such
+   points. */
 static void turned(lab *l)
 {
     ost_pose pose;

@@ -34,8 +34,8 @@ enum {
 
 /* ---------------------------------------------------------- values of members */
 
-/* A file and its reader. err describes the first error. After this error, all functions that read members return
-   false. */
+/* A file and its reader. `err` describes the first error. After this error, all functions that read members
+   return false. */
 typedef struct reader {
     const char *path;
     trace_writer *w;

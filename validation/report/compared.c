@@ -16,7 +16,7 @@ typedef struct tally {
     json_int_t cases, equal, bad, records;
 } tally;
 
-/* Counts the results of one backend in one family, or in all families if family is NULL. */
+/* Counts the results of one backend in one family, or in all families if `family` is NULL. */
 static tally count(const page *p, const char *backend, const char *family)
 {
     tally t = {0};

@@ -65,8 +65,8 @@ static uint8_t grey_of(const triplet *t, int32_t value)
     return (uint8_t)grey;
 }
 
-/* Chooses pattern and colour for pixel (x, y) of a differing voxel: solid only in the reference, solid only in the
-   other volume, or different values. */
+/* Chooses the pattern and the colour of pixel (x, y) of a differing voxel. They show whether the voxel is solid
+   only in the reference, is solid only in the other volume, or has a different value. */
 static void mark(const triplet *t, int32_t ref, int32_t got, int x, int y, uint8_t rgb[3])
 {
     static const uint8_t only_ref[2][3] = {{194, 47, 39}, {255, 255, 255}}, only_got[3] = {36, 103, 189},
