@@ -113,7 +113,7 @@ static int visit_one(struct dl_phdr_info *info, size_t size, void *user)
 /* ----------------------------------------------------------- the packages */
 
 /*
- * Reads at most PROGRAM_TEXT bytes of the output of a program. If the program is not installed, *text is NULL. The
+ * Runs a program and sets *text to at most PROGRAM_TEXT bytes of its output, or to NULL if it is not installed. The
  * caller frees *text. If the program cannot be started or fails, or if its output cannot be read, returns an error,
  * because the list of libraries would be incomplete.
  */

@@ -149,8 +149,8 @@ static ost_status check_processor(const check *c, const json_t *devices, ost_err
 }
 
 /*
- * If the campaign used all backends, checks that the protocol contains all backends of every OpenCL device that was
- * usable, and no available backend of a device that was refused.
+ * If the campaign used all backends, checks that the protocol lists all backends of every usable OpenCL device, and
+ * that it lists every refused device as not available.
  */
 static void check_opencl(const check *c, const json_t *devices)
 {

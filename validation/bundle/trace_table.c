@@ -161,7 +161,7 @@ static void add_text(char *to, size_t size, const char *format, ...)
 /*
  * Appends "the test suite" to `shown` and a string such as "tests: 2 passed; tests/x.sh FAILED: ..." to `result`. In
  * `tests`, the paths are separated by semicolons. `also` must be true if another part of this bundle covers the row.
- * Returns false if all tests were skipped, because a skipped test is no evidence.
+ * Returns true if a test passed or failed. A skipped test is no evidence.
  */
 static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, size_t shown_size, char *result,
                       size_t result_size)
