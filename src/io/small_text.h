@@ -10,8 +10,9 @@
 
 /*
  * Reads the file at `path`, and skips a UTF-8 byte order mark. *text receives *size bytes and a final NUL; the caller
- * frees it. After an error, *text is NULL. Returns OST_ERR_INPUT if the file has more than `most` bytes or contains a
- * NUL byte; the message names the contents, for example "landmarks", and the expected formats.
+ * frees it. After an error, *text is NULL. Returns OST_ERR_INPUT if the file is larger than the limit `most` or
+ * contains a NUL byte. Error messages include two texts: `contents` says what the file contains, for example
+ * "landmarks", and `expected` says which formats are accepted.
  */
 ost_status ost_small_text_read(const char *path, size_t most, const char *contents, const char *expected, char **text,
                                size_t *size, ost_error *err);

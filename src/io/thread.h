@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Starts a background thread in which all signals are blocked. All threads that are started from this thread inherit
- * the blocked signals. Signals are thus delivered to the main thread, which can end the operation.
+ * Starts a background thread in which all signals are blocked. The threads that it starts inherit the blocked signals.
+ * All signals are thus delivered to the main thread, which can end the operation.
  */
 #ifndef OST_IO_THREAD_H
 #define OST_IO_THREAD_H

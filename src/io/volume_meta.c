@@ -2,8 +2,9 @@
 /*
  * Replaces the header facts of an existing volume.
  *
- *   NRRD    header lines --copied except osteon_KEY:=VALUE--> new lines --> an empty line, and every byte after it
- *   NIfTI   written by osteon: read, and written again with the new facts
+ *   NRRD    the header lines are copied, except those of the form osteon_KEY:=VALUE; the new facts follow, and then
+ *           the empty line and every byte after it
+ *   NIfTI   a file that was written by osteon is read, and written again with the new facts
  *
  * In both formats, the result is written through an output file (outfile.h), so the old file remains until the new
  * file is complete.
@@ -20,8 +21,8 @@
 #include "io/volume/input.h"
 
 /*
- * Reads one line, including its newline if there is one. At the end, *size is 0. The header has been checked before,
- * so a line that does not fit means that the file has changed since then.
+ * Reads one line, including its newline if there is one. At the end of the file, *size is 0. All lines fitted when the
+ * header was checked, so a line that does not fit means that the file has changed since then.
  */
 static ost_status next_line(ost_input *input, char *line, size_t capacity, size_t *size, ost_error *err)
 {

@@ -20,8 +20,8 @@
 #include "io/volume_read.h"
 
 /*
- * Returns the file to read for `path`. For x.img, the second file of a NIfTI pair, this is the header x.hdr, whose name
- * is written to `out`.
+ * Returns the path of the file to read. This is `path`, except for the image file x.img of a NIfTI pair: then the path
+ * of the header x.hdr is written to `out` and returned.
  */
 static const char *header_of(const char *path, char *out, size_t capacity)
 {

@@ -22,9 +22,9 @@ ost_volume_format ost_volume_format_of(const char *path);
 ost_status ost_volume_format_unknown(const char *path, ost_error *err);
 
 /*
- * Opens a writer for a volume in any format except text. element is int16 or, for NRRD only, uint8. If odd_voxel is
- * set (NRRD only), the origin lies half a picometre further on every axis; a tool whose voxel size in picometres is
- * odd requires this (AR-FILE-3). `fields` (NRRD only) contains further lines of the header; it may be NULL.
+ * Opens a writer for a volume in any format except text. element is int16 or, for NRRD only, uint8. If odd_voxel is set
+ * (NRRD only), half a picometre is added to the origin on every axis. This is needed for tools whose voxel size is an
+ * odd number of picometres (AR-FILE-3). `fields` (NRRD only) contains further lines of the header; it may be NULL.
  */
 ost_status ost_volume_writer_open(const char *path, const ost_geometry *geometry, const ost_meta *meta,
                                   const char *fields, ost_element element, bool odd_voxel,

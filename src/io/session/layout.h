@@ -88,8 +88,8 @@ bool ost_session_block_decode(const unsigned char in[SESSION_BLOCK], session_blo
 
 void ost_session_record_encode(const ost_record *record, unsigned char out[SESSION_RECORD]);
 /*
- * Decodes a record. Returns false if the record's kind is unknown because a newer osteon wrote the session. The
- * caller then skips the record.
+ * Decodes a record. Returns false if the kind of the record is unknown; the caller then skips the record. Only newer
+ * versions of osteon write unknown kinds.
  */
 bool ost_session_record_decode(const unsigned char in[SESSION_RECORD], ost_record *out);
 

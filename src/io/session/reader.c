@@ -6,9 +6,9 @@
  *                  all other bytes are counted
  *   next           reads the list, block by block
  *
- * After damage, reading continues at the next offset at which a valid block begins. Such offsets are multiples of 64.
- * A block header contains a checksum, the session's identity and a sequence number, which must increase. A file of N
- * bytes needs at most N / 192 entries of 32 bytes, and memory for one block.
+ * After damage, reading continues at the next valid block. Blocks begin at multiples of 64. A valid block has correct
+ * checksums, the identity of the session, and a higher sequence number than the blocks before it. The list for a file
+ * of N bytes has at most N / 192 entries of 32 bytes, and only one block at a time is in memory.
  */
 #include "io/session/reader.h"
 
@@ -24,11 +24,11 @@
 
 typedef struct scan {
     ost_session *session;
-    uint64_t at, size;
+    uint64_t at, size;      /* current offset, and size of the file */
     uint64_t next_sequence;
     uint64_t next_record;   /* expected number of the next block's first record */
-    uint64_t damage_from;   /* start of the damaged bytes that end at `at`; the file size if there are none */
-    bool gap;               /* true if ticks are missing before `at`; missing notes are ignored */
+    uint64_t damage_from;   /* start of the damage that ends at the current offset; equal to `size` if there is none */
+    bool gap;               /* true if ticks are missing before the current offset; missing notes are ignored */
     bool have_header;
 } scan;
 
@@ -118,7 +118,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
         s->header_copies++;
         return OST_OK;
     }
-    /* Records that were lost by the recorder have no number, so they are not counted here. */
+    /* Records that the recorder lost were never numbered, so they cause no gap in the numbers. */
     if (block->first_record > c->next_record)
         s->summary.missing_records += block->first_record - c->next_record;
     c->next_record = block->first_record + block->records;

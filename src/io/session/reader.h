@@ -20,7 +20,8 @@ struct ost_session {
     session_block_place *blocks; /* owned; the valid blocks that contain records */
     size_t block_count, block_capacity;
     unsigned char *payload;     /* owned; payload of the block that was read last */
-    /* The position of the record that ost_session_next returns next. */
+    /* The next call of ost_session_next returns record number `record` of the `records` in `payload`, or loads block
+     * `next_block` if there are no more. */
     size_t next_block;
     uint32_t record, records;
 };

@@ -8,8 +8,8 @@
  *         88 u16 poses      90 u16 rpm + 1   92 i32 force x, y, z
  *        104 i32 torque    116 u32 wake_ns  120 u32 exec_ns  124 u32 missed
  *   note   8 i64 t_ns       24 text, 104 bytes, padded with zeros
- *   end    4 u32 1 if there is a root   8 u64 ticks, 16 u64 removals, 24 u64 removed
- *         32 root, 32 bytes
+ *   end    4 u32 has root    8 u64 ticks      16 u64 removals   24 u64 removed
+ *         32 root, 32 bytes; valid if "has root" is 1
  */
 #include "io/session/layout.h"
 
@@ -53,7 +53,7 @@ static void decode_tick(const unsigned char *in, ost_session_tick *out)
         .number = get64(in + 8),
         .tick = {.t_ns = (int64_t)get64(in + 16),
                  .tool = (int32_t)get32(in + 64),
-                 .rpm = get16(in + 90) - 1, /* always 0 in sessions of version 1, which thus decode as OST_RPM_ON */
+                 .rpm = get16(in + 90) - 1, /* version 1 stores 0 here, which decodes as OST_RPM_ON */
                  .pose = {.t = {(int64_t)get64(in + 24), (int64_t)get64(in + 32), (int64_t)get64(in + 40)},
                           .qw = (int32_t)get32(in + 48),
                           .qx = (int32_t)get32(in + 52),

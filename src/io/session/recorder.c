@@ -39,8 +39,7 @@ enum { CAPACITY = 65536, CAPACITY_MAX = 1 << 24, POLL_MS = 25, RETRY_MS = 250, P
 struct ost_recorder {
     session_ring ring;
     _Atomic uint64_t lost;
-    /* used only by the producer; true after a long disk failure: ost_recorder_put_waiting then returns without
-     * waiting */
+    /* true after a long disk failure; ost_recorder_put_waiting then returns at once. Used only by the producer */
     bool impatient;
 
     char *name;  /* owned */
@@ -89,7 +88,7 @@ static int file_cut(void *user, uint64_t size)
 static int file_sync(void *user)
 {
     const ost_recorder *r = user;
-    /* If the target, such as /dev/null, does not support syncing, this is not an error. */
+    /* EINVAL and EROFS mean that the target, such as /dev/null, cannot be synced; this is not an error. */
     return fdatasync(r->fd) == 0 || errno == EINVAL || errno == EROFS ? 0 : errno;
 }
 
@@ -279,8 +278,8 @@ ost_status ost_recorder_open_sink(const char *name, const session_sink *sink, co
 }
 
 /*
- * Creates the file or, if it exists, truncates it. Fails if another recorder has locked the file. Refuses a symbolic
- * link, because the file is written directly under its final name, and opening a link would truncate the link's target.
+ * Creates the file, or truncates an existing file. Fails if another recorder has locked the file. Refuses a symbolic
+ * link, because opening a link would truncate the file to which it points.
  */
 static ost_status create_file(ost_recorder *r, const char *path, ost_error *err)
 {

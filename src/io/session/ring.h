@@ -3,7 +3,7 @@
  * A ring buffer of records between one producer thread and one consumer thread.
  *
  *         tail                head
- *   ...|  waiting, tail..head  |  free  ...      slot of number n: n % capacity
+ *   ...|  waiting, tail..head  |  free  ...      record number n is in slot n % capacity
  *
  * The numbers head and tail only increase. The producer writes a slot and then head (release). The consumer reads head
  * (acquire) and the slots, and then writes tail (release). The producer reads tail (acquire) before it reuses a slot.

@@ -28,9 +28,9 @@ typedef struct session_writer {
 /* Writes both copies of the session's header. Returns 0 or an errno. */
 int ost_session_write_header(session_writer *writer, const unsigned char *payload, uint32_t size);
 /*
- * Writes `count` encoded records, 1 to SESSION_BLOCK_RECORDS, as one block. Overwrites the 64 bytes before `records`,
- * which the caller must provide, with the block header. Returns 0 or an errno. After an error, the call may be
- * repeated: the file is unchanged, or is cut before the next write.
+ * Writes `count` encoded records (1 to SESSION_BLOCK_RECORDS) as one block. The block header is written to the 64 bytes
+ * before `records`, which the caller must reserve. Returns 0 or an errno. After an error, the call may be repeated,
+ * because partial data are cut off before the next write.
  */
 int ost_session_write_records(session_writer *writer, unsigned char *records, uint32_t count, uint64_t lost);
 

@@ -46,9 +46,9 @@ static ost_status add_slice(stack *s, const ost_slice *slice, ost_error *err)
 }
 
 /*
- * Adds the pages of one file. Several pages may refer to the same bytes, so a small file could otherwise request any
- * amount of memory. The size of all pages together is therefore limited to the size of the file, or to
- * OST_SLICE_UNPACK_MAX times this size if the pages are compressed.
+ * Adds the pages of one file. The total size of the pages is limited to the file size, or to OST_SLICE_UNPACK_MAX times
+ * the file size if the pages are compressed. Without this limit, a small file could request any amount of memory,
+ * because several pages may refer to the same bytes.
  */
 static ost_status add_file(stack *s, const char *path, ost_error *err)
 {
@@ -132,7 +132,7 @@ static ost_status read_voxels(const stack *s, const ost_volume_options *options,
                               const ost_placement *placement, const ost_geometry *geometry, const ost_target *target,
                               ost_volume_report *report, ost_error *err)
 {
-    ost_parts none = {.count = 0}; /* no parts, because libtiff and libpng read the files of a stack */
+    ost_parts none = {.count = 0}; /* empty, because libtiff and libpng read the files instead of ost_parts */
     stack_rows r = {.rows = {.next = next_row,
                              .path = s->path,
                              .parts = &none,

@@ -25,7 +25,7 @@ ost_status ost_stack_read(const char *path, const ost_volume_options *options, c
                           ost_geometry *geometry, ost_meta *meta, ost_volume_report *report, ost_element *element,
                           ost_error *err);
 
-/* The properties of a stack that its files state. */
+/* Properties of a stack, as stated in its files. */
 typedef struct ost_stack_facts {
     ost_dims dims; /* number of columns, rows and slices */
     char type[24], encoding[16];

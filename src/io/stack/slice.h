@@ -50,7 +50,8 @@ ost_slice_kind ost_slice_sniff(const unsigned char *head, size_t size);
 ost_status ost_slice_sniff_file(const char *path, ost_slice_kind *kind, ost_error *err);
 
 /*
- * Opens a file, whose content determines its format, and describes its first page (slice_open.c). Errors name the file.
+ * Opens a file and describes its first page (slice_open.c). The first bytes of the file determine its format. Errors
+ * name the file.
  */
 ost_status ost_slice_open(const char *path, ost_slice **out, ost_error *err);
 ost_status ost_slice_row(ost_slice *slice, int32_t y, void *out, ost_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads a grey PNG with libpng, row by row. On failure, libpng calls longjmp, so each function that calls libpng first
- * calls setjmp, and everything that is accessed after the longjmp is a member of the object.
+ * Reads a grey PNG with libpng, row by row. libpng reports a failure by longjmp. Each function that calls libpng
+ * therefore calls setjmp first, and keeps all data that are used after the longjmp in the object.
  */
 #include "config.h"
 

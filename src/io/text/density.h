@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Parses a density of the common form: an optional minus sign and 1 to 5 digits, with a value within int16. The word w
- * contains the next eight bytes of the text, of which the density is the first n. The first byte is the lowest byte of
- * w.
+ * contains the next eight bytes of the text; the first of them is the lowest byte of w. The density has n bytes.
  *
  *   bytes    1 0 4 3 \n - 5 7       x = w ^ "\n\n\n\n\n\n\n\n"
  *   The first newline is the first zero byte of x, which contains the lowest set
@@ -52,8 +51,8 @@ static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density
     if (((t + UINT64_C(0x0606060606060606)) | t) & UINT64_C(0xf0f0f0f0f0f0f0f0))
         return false;
     /*
-     * Combines digits into pairs, pairs into groups of four, and two groups into eight digits. In each lane of a
-     * product, the upper half contains the result.
+     * Combines digits into pairs, pairs into groups of four, and the two groups into one number. Each product has
+     * its results in the upper halves of the lanes.
      */
     t = (t * 2561) >> 8 & UINT64_C(0x00ff00ff00ff00ff);
     t = (t * 6553601) >> 16 & UINT64_C(0x0000ffff0000ffff);

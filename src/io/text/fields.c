@@ -33,7 +33,7 @@ static bool is_letter(char c)
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
 }
 
-/* Returns true for words such as nan and inf, which belong to a defective line of numbers and not to a header. */
+/* Returns true if the word is nan, inf or infinity. Such a word indicates a defective line of numbers, not a header. */
 static bool is_not_finite(const char *p, const char *end)
 {
     static const char *const words[] = {"nan", "inf", "infinity"};

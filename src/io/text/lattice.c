@@ -84,8 +84,8 @@ static int64_t last_step(const fit *f)
 static const char advice[] = "give the spacing (--spacing)";
 
 /*
- * Reports that coordinate i does not fit the lattice. The wrong coordinate is either coordinate i or one of the two
- * coordinates whose gap was used as the step, so the message names all three.
+ * Reports that coordinate i does not fit the lattice. The error may also be in one of the two coordinates whose
+ * distance was used as the step, so the message names all three.
  */
 static ost_status no_lattice(const char *path, const ost_lattice_axis *axis, size_t i, int64_t gap, ost_error *err)
 {
@@ -119,8 +119,8 @@ static ost_status too_many_layers(const char *path, const ost_lattice_axis *axis
 /* ------------------------------------------------------------------- steps */
 
 /*
- * Returns the smallest gap above `floor`, or 0 if there is none. Stores the largest gap in *greatest unless `greatest`
- * is NULL.
+ * Returns the smallest of the gaps that are larger than the argument `floor`, or 0 if there is no such gap. If the
+ * pointer `greatest` is not NULL, stores the largest gap in *greatest.
  */
 static int64_t smallest_gap(const ost_lattice_axis *axis, int64_t floor, int64_t *greatest)
 {
@@ -229,9 +229,10 @@ static side probe(const fit *const *fits, int count, int64_t s)
 
 /*
  * Returns the feasible multiple of q that is nearest to num / den. If two multiples are equally near, returns the
- * smaller one. Returns 0 if no multiple is feasible. Invariant of the bisection: the multiple `near` is not feasible,
- * and its probe points towards `far`; the multiple `far` is feasible, or its probe points towards `near`, or it is the
- * end of the range.
+ * smaller one. Returns 0 if no multiple is feasible.
+ *
+ * Invariants of the bisection: the multiple near * q is infeasible, and its probe points towards far * q. The multiple
+ * far * q is feasible, or its probe points towards near * q, or it is the end of the range.
  */
 static int64_t nearest_multiple(const fit *const *fits, int count, int64_t q, int64_t num, int64_t den)
 {

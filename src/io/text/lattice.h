@@ -44,7 +44,7 @@ typedef struct ost_lattice_axis {
 } ost_lattice_axis;
 
 /*
- * Finds the spacing of each axis a with spacing[a] == 0. Only these elements of `axes` are read. Returns OST_ERR_INPUT
+ * Finds the spacing of each axis a with spacing[a] == 0; axes[a] is not read for other axes. Returns OST_ERR_INPUT
  * if no spacing or more than one fits; the message names the axis, the coordinate and the line, and suggests passing
  * the spacing as an option.
  */

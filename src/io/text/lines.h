@@ -34,8 +34,8 @@ typedef struct ost_text_block {
  */
 ost_status ost_text_lines_open(const char *path, ost_text_lines **out, ost_error *err);
 /*
- * Must be called before the first block is read. If the file is a gzip file, sets *packed and unpacks the file while
- * it is read. Other files are read unchanged.
+ * Enables unpacking. Must be called before the first block is read. If the file is a gzip file, *packed is set, and the
+ * following blocks are unpacked. Other files are read unchanged.
  */
 ost_status ost_text_lines_unpack(ost_text_lines *lines, bool *packed, ost_error *err);
 void ost_text_lines_close(ost_text_lines *lines); /* NULL is allowed */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The portable matcher; all other variants are equivalent to it. The lengths of the texts before a density add up to
- * the position of the density. The newline after the density is one of the eight bytes that begin at this position.
+ * The portable matcher; all other variants are equivalent to it. A density follows directly after the expected texts,
+ * so its position is known. The newline is searched for in the eight bytes from this position on.
  */
 #include "core/conditions.h"
 

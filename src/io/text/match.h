@@ -7,8 +7,8 @@
  *     column c   the row's own     density, a whole number
  *
  * In a raster scan, every row repeats the column texts of the first row, and its other two coordinates are constant.
- * Equal bytes represent equal numbers, so only the density of a line needs to be parsed. If y or z runs fastest,
- * `before` contains the text in front of the column.
+ * Equal bytes represent equal numbers, so only the density of a line needs to be parsed. If x does not run fastest, a
+ * text precedes the column; the pattern contains this text in `before`.
  */
 #ifndef OST_IO_TEXT_MATCH_H
 #define OST_IO_TEXT_MATCH_H
@@ -49,8 +49,8 @@ typedef struct ost_text_pattern {
 } ost_text_pattern;
 
 /*
- * Matches up to `lines` consecutive lines from `text` on, until one does not match. The last byte before `end` must be
- * a newline, or text == end. Line i matches if it begins before `end` and consists of
+ * Matches consecutive lines from `text` on, and stops after `lines` lines or at the first line that does not match. The
+ * last byte before `end` must be a newline, or text == end. Line i matches if it begins before `end` and consists of
  *   before, columns[i].text with lengths[i] bytes, after,
  *   a density of the common form (density.h), "\r" if `carriage` is true, and a newline.
  * Returns the number of matched lines, stores their densities, and sets *next to the line after them. Writes no other

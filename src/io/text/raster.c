@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Why one pass is sufficient. The file is divided into pieces, and the lines of a piece are assigned to consecutive
- * voxels [first, next). If these intervals tile [0, N) in the file's order, every line is accounted for, and line L is
- * voxel L - first_line. A piece may begin within a slice. The slice's coordinate is then taken from the first line of
- * the piece, so it must be compared with the coordinate in the first line of the slice. If the coordinates strictly
- * rise or fall along each axis, they are distinct and are those that two passes would collect. If the coordinates are
- * off their lattice, share a voxel, or do not form a grid, the text is read in two passes.
+ * Why one pass is sufficient. The file is divided into pieces, and the lines of each piece are assigned to consecutive
+ * voxels [first, next). These intervals must cover [0, N) in the order of the file, without gaps or overlaps. Line L is
+ * then voxel L - first_line, and no line is missing. A piece that begins within a slice takes the slice's coordinate
+ * from its own first line; this coordinate must equal that in the first line of the slice. The coordinates along each
+ * axis must strictly rise or fall. They are then distinct, and two passes would collect the same coordinates. If
+ * coordinates are off their lattice, share a voxel, or do not form a grid, the text is read in two passes.
  *
- * Why there are two readers. Two passes read any text. For a scan, one pass needs a fifth of their processor time
- * (docs/log/0.1.md, parse), because it compares lines instead of parsing them. Most texts are scans.
+ * Why there are two readers. Two passes can read any text. Most texts are raster scans, however, and one pass reads a
+ * raster scan in a fifth of the processor time (docs/log/0.1.md, parse), because it compares lines instead of parsing
+ * them.
  */
 #include "core/conditions.h"
 
@@ -85,8 +86,8 @@ static bool learn_column(reading *r, const char *p, const char *newline, const o
 }
 
 /*
- * Reads the comments, the header and the first row. The row ends before the first line in which the coordinate on
- * another axis changes. This line also determines the order of the axes.
+ * Reads the comments, the header and the first row. The row ends where the coordinate on a second axis changes. This
+ * change also determines the order of the axes.
  */
 static bool learn_row(reading *r, const char *text, size_t bytes)
 {
@@ -156,8 +157,8 @@ static bool learn_last(reading *r, bool *terminated)
 }
 
 /*
- * Finds the coordinates of the middle axis by reading the first slice. Computes the number of slices from the slow
- * coordinates of the first, the second and the last slice.
+ * Finds the coordinates of the middle axis by reading the first slice. Computes the number of slices from the
+ * coordinates of the first, the second and the last slice on the slow axis.
  */
 static bool learn_slice(reading *r)
 {
@@ -372,8 +373,8 @@ void ost_text_raster_free(ost_text_raster *raster)
 }
 
 /*
- * Returns false if the text is incomplete according to the dims that it states: the number of samples differs, or the
- * last line has no newline.
+ * Returns false if the text states its dims and is incomplete. A complete text has one sample per voxel, and its last
+ * line ends with a newline.
  */
 static bool is_complete(const ost_text_summary *summary, int64_t voxels, bool terminated)
 {

@@ -64,7 +64,7 @@ ost_status ost_text_raster_hash(const ost_text_raster *raster, ost_hasher *hashe
  * raster_rect.c.
  */
 bool ost_text_raster_fits(const ost_text_raster *raster, const ost_geometry *full);
-/* Fills *rect and the report like ost_text_to_rect. options->expected is not used. */
+/* Fills *rect and the report as ost_text_to_rect does. options->expected is not used. */
 ost_status ost_text_raster_to_rect(const char *path, const ost_text_raster *raster,
                                    const ost_text_rect_options *options, ost_grid *rect, ost_scatter_report *report,
                                    ost_error *err);

@@ -14,8 +14,8 @@
 
 /* Maps the coordinates of one axis of the scan to voxel indices, and records their distances from the voxel centres. */
 typedef struct axis_map {
-    int32_t count;     /* number of coordinates within the crop; `from` is the index of the first of them */
-    int32_t from;
+    int32_t count;     /* number of coordinates within the crop */
+    int32_t from;      /* index of the first of these coordinates */
     int32_t *index;    /* owned; for each coordinate, the index of its voxel in the complete grid */
     ost_pm spacing;
     int64_t good;      /* number of coordinates within the crop that are at most 1/8 of a voxel from the voxel centre */
@@ -30,8 +30,8 @@ static void maps_free(axis_map maps[3])
 }
 
 /*
- * Maps one axis. Returns false if two coordinates share a voxel, if a coordinate would be rejected, or if memory is
- * exhausted. |p| < 2^54 and off * 10^6 < 2^56.
+ * Maps one axis. Returns false if two coordinates share a voxel, if a coordinate is outside the grid or too far from
+ * its voxel centre, or if memory is exhausted. |p| < 2^54 and off * 10^6 < 2^56.
  */
 static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop,
                      axis_map *map)
@@ -74,7 +74,7 @@ static bool map_all(const ost_text_raster *raster, const ost_geometry *full, con
     return good;
 }
 
-/* Computes the report that scattering the lines would return. Each coordinate must have a voxel of its own. */
+/* Computes the same report as ost_text_to_rect. Each coordinate must have a voxel of its own. */
 static void report_of(const ost_text_raster *raster, const axis_map maps[3], ost_scatter_report *report)
 {
     *report = (ost_scatter_report){0};
@@ -117,8 +117,8 @@ static ost_status upload_mapped(const char *path, const ost_text_raster *raster,
 {
     const ost_dims dims = ost_grid_geometry(rect)->dims;
     const int32_t counts[3] = {dims.x, dims.y, dims.z};
-    /* For each voxel along an axis, the contribution of its coordinate to the index in raster->voxels; -1 if the
-     * voxel has no coordinate. */
+    /* The index of a voxel in raster->voxels is the sum of three offsets, one for its position along each axis. An
+     * offset is -1 if the file has no coordinate for this position. */
     int64_t *offset[3] = {NULL, NULL, NULL};
     int16_t *slice = malloc((size_t)dims.x * (size_t)dims.y * sizeof *slice);
     bool enough = slice != NULL;

@@ -13,8 +13,7 @@ typedef struct ost_text_rect_options {
     const ost_geometry *full;      /* geometry of the complete grid of the text */
     const ost_voxel_box *crop;     /* part of `full` that the rect grid covers; NULL for the complete grid */
     ost_text_fingerprint expected; /* fingerprint that the first pass computed */
-    /* line that states the dims of the text; 0 if there is no such line. If the dims are stated, every voxel must have
-       a sample */
+    /* line that states the dims, so that every voxel must have a sample; 0 if the text does not state its dims */
     int64_t dims_line;
     ost_progress *progress;        /* progress callback; may be NULL */
     void *user;

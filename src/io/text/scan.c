@@ -218,7 +218,7 @@ ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *has
 {
     const char *path = source->parser.path;
     ost_text_facts facts = {summary, given};
-    /* INT64_MIN means that there is no previous row; coordinates are within +-OST_LENGTH_MAX. */
+    /* position of the previous row; INT64_MIN, which is not a valid coordinate, before the first row */
     ost_pm last[3] = {INT64_MIN, INT64_MIN, INT64_MIN};
     ost_text_summary_begin(summary, given);
     ost_text_row *rows = malloc(BATCH * sizeof *rows);
@@ -334,8 +334,8 @@ ost_status ost_text_geometry(const char *path, const ost_text_summary *summary, 
         if (summary->own_origin.line)
             status = check_origin(path, summary, a, spacing[a], err);
         /*
-         * A spacing found from the coordinates may be as small as 1 pm, so `steps` may be as large as 1.7 * 10^13.
-         * `steps` is clamped here, and the later check of the geometry refuses the dims.
+         * A spacing that was found from the coordinates may be as small as 1 pm. The number of steps may then be
+         * 1.7 * 10^13; it is clamped to the range of int32, and the later check of the geometry refuses the dims.
          */
         int64_t steps = ost_rhe_div(axis->max - origin[a], spacing[a]);
         dims[a] = (int32_t)(steps < 0 ? 0 : steps > INT32_MAX - 1 ? INT32_MAX - 1 : steps) + 1;

@@ -87,9 +87,9 @@ typedef struct ost_text_facts {
 ost_status ost_text_fact_take(void *facts, const ost_text_parser *parser, const ost_text_fact *fact, ost_error *err);
 
 /*
- * Scans the text. `given` contains the spacings from options, which override the spacings in the text; an element is 0
- * if there is no option. If `hasher` is not NULL, adds a record of 32 bytes per sample to it: x, y, z as int64, density
- * as int32, 0 as uint32, little-endian. progress may be NULL. The caller frees the summary, even after an error.
+ * Scans the text. A nonzero spacing in `given` comes from an option and overrides the spacing in the text. If `hasher`
+ * is not NULL, a record of 32 bytes per sample is added to it: x, y, z as int64, density as int32, 0 as uint32,
+ * little-endian. progress may be NULL. The caller frees the summary, even after an error.
  */
 ost_status ost_text_scan(ost_text_source *source, ost_pm3 given, ost_hasher *hasher, ost_progress *progress, void *user,
                          ost_text_summary *summary, ost_error *err);

@@ -153,8 +153,8 @@ static int32_t find(const ost_pm *at, int32_t count, ost_pm value)
 }
 
 /*
- * Computes the index of a slice from its coordinate. The slices are assumed to be evenly spaced, and the coordinate may
- * be rounded. If an index is wrong, the indices are not consecutive and the walk fails. |off| * 16383 < 2^58.
+ * Computes the index of a slice from its coordinate, which may be rounded. Assumes that the slices are evenly spaced.
+ * If they are not, the computed indices are not consecutive, and the walk fails. |off| * 16383 < 2^58.
  */
 static int32_t slice_of(const ost_text_plan *plan, ost_pm value)
 {
@@ -285,8 +285,8 @@ static size_t match_lines(ost_text_walker *walker, const char **text, const char
 }
 
 /*
- * Starts the next row and compares its lines with the expected text; no line is parsed. Returns false if the first
- * line differs; in this case, only walker->known has changed.
+ * Starts the next row and compares its lines with the expected text. No line is parsed. If the first line differs,
+ * clears walker->known and returns false.
  */
 static bool match_next_row(ost_text_walker *walker, const char **text, const char *end)
 {
@@ -345,8 +345,8 @@ static bool read_at(int fd, char *to, size_t bytes, int64_t at, size_t *got)
 }
 
 /*
- * Reads the rest of the line that contains text[filled - 1]. The rest begins at file offset `at`. At the end of the
- * file, appends a newline.
+ * Completes the last line in the buffer: appends the bytes at file offset `at`, up to the next newline. At the end of
+ * the file, appends a newline.
  */
 static bool complete(int fd, char *text, size_t *filled, int64_t at)
 {

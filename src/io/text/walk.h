@@ -6,16 +6,15 @@
  *                           ^ first line that begins in it: parsed to find its
  *                             voxel; the voxels of the lines after it follow
  *
- * A line that does not match is parsed, and its position must be the expected one. The line then provides the pattern
- * for the following lines.
+ * A line that does not match the pattern is parsed. If its position is the expected one, its text becomes the pattern
+ * for the following lines; otherwise, the file is not a raster scan.
  *
  *   "-57.340000 12.220000 3.000000 1043\n"
  *    |--text--||--text--||--text-|           a position with the characters in front of it
  *
  * When a row ends, the pattern of the next row is derived from the current one: the text of the middle axis is replaced
- * by the text that this axis has in the same row of the first slice. Every text except the first begins with its
- * separator, so the concatenated texts represent the same numbers as the separate texts. A line that matches the
- * derived pattern is therefore not parsed.
+ * by the text that this axis has in the same row of the first slice. A line that matches the derived pattern need not
+ * be parsed: every text except the first begins with its separator, so joined texts represent the same numbers.
  */
 #ifndef OST_IO_TEXT_WALK_H
 #define OST_IO_TEXT_WALK_H
@@ -30,11 +29,11 @@ typedef struct ost_text_plan {
     int64_t begin, end;  /* range of bytes in the file, from the line of the first sample to the end */
     ost_text_raster *raster;
     ost_text_column *columns; /* owned; strings of the columns; raster->count[0] elements */
-    uint8_t *lengths;         /* owned; length of each column's string; 0 if the string does not fit */
+    uint8_t *lengths;         /* owned; length of each string in `columns`; 0 if the string is too long */
     ost_text_column *middles; /* owned; strings of the middle axis; raster->count[1] elements */
     uint8_t *middle_lengths;  /* owned; length of each string in `middles`; 0 if the string is too long */
     uint32_t shortest;        /* minimum length of a column's string */
-    bool fast;                /* true if the strings of all columns fit */
+    bool fast;                /* true if no string in `columns` is too long */
     bool carriage;
     ost_pm last_slow;
     ost_text_match *match;
@@ -42,7 +41,7 @@ typedef struct ost_text_plan {
 
 typedef struct ost_text_walker {
     const ost_text_plan *plan;
-    /* true in the walk over the first slice, which finds the coordinates of the middle axis; densities go to `row` */
+    /* true in the walk over the first slice, which finds the coordinates of the middle axis and fills `row` */
     bool learning;
     bool done;           /* true once the first slice has ended; used only if `learning` is true */
     ost_pm second_slow;  /* coordinate of the second slice; valid only if `done` is true */
@@ -53,7 +52,7 @@ typedef struct ost_text_walker {
     ost_pm middle, slow; /* coordinates of the current row on the middle and the slow axis */
     int64_t first, next; /* range of the voxels whose lines have been processed */
     int32_t first_slow_index;
-    ost_pm first_slow;   /* index and coordinate, on the slow axis, of the first line processed */
+    ost_pm first_slow;   /* coordinate of the first processed line on the slow axis; its index is first_slow_index */
     uint32_t units[3];   /* decimal units that occur on each axis, as in ost_text_axis */
     ost_text_pattern pattern;
     ost_text_around piece[3]; /* text of each axis except the fastest, in the row of the pattern */

@@ -18,12 +18,12 @@
 
 /*
  * Writes a volume as text. options->text_decimals is the number of digits after the point, 1 to 9; 0 selects the
- * smallest number that represents all positions exactly. Returns OST_ERR_USAGE if the number is so small that rounding
+ * smallest number that represents all positions exactly. Returns OST_ERR_USAGE if rounding to this number of digits
  * would change a position by more than 1/8 of a voxel.
  *
- * If options->omit_empty is set, voxels of density 0 and the dims comment are omitted. origin_mm is then the lower
- * corner of the bounding box of the remaining voxels, because a reader takes this box as the grid. Returns
- * OST_ERR_INPUT if every voxel is 0. options may be NULL.
+ * If options->omit_empty is set, voxels of density 0 and the dims comment are omitted. A reader then takes the bounding
+ * box of the remaining voxels as the grid, so origin_mm is the lower corner of this box. Returns OST_ERR_INPUT if every
+ * voxel is 0. options may be NULL.
  */
 ost_status ost_text_write_volume(const char *path, const ost_volume *volume, const ost_write_options *options,
                                  ost_error *err);

@@ -52,9 +52,9 @@ static ost_status join(const ost_data_files *files, const char *name, char out[O
 }
 
 /*
- * Expands the pattern of a file name. A pattern normally has one conversion such as %d, %5d or %05d; "%%" yields "%".
- * The pattern is never passed to printf. Returns the number of conversions, or -1 if a conversion is of another kind or
- * `out` is too small.
+ * Expands the pattern of a file name. Conversions of the form %d, %5d or %05d are supported, and "%%" yields "%". The
+ * pattern is never passed to printf. Returns the number of conversions; a valid pattern has one. Returns -1 if a
+ * conversion has another form or `out` is too small.
  */
 static int expand(const char *pattern, size_t length, int64_t number, char *out, size_t capacity)
 {
@@ -212,10 +212,7 @@ static ost_status wrong(const ost_data_files *files, const char *what, ost_error
                     files->names.value, what);
 }
 
-/*
- * Reads "name.%d MIN MAX STEP [D]". If the last four words are numbers, the fourth number is D. Otherwise there are
- * three numbers, and D is missing.
- */
+/* Reads "name.%d MIN MAX STEP [D]". D is present if the last four words are numbers. */
 static ost_status count_numbered(ost_data_files *files, int64_t *subdimension, bool *numbered, ost_error *err)
 {
     const char *value = files->names.value;
@@ -304,7 +301,7 @@ ost_status ost_data_files_open(ost_data_files *files, ost_parts *parts, ost_erro
         in_part = voxels / files->count;
     }
     bool as_text = files->form == OST_DATA_TEXT;
-    /* The shortest text of n numbers has one digit per number and one blank between any two numbers. */
+    /* n numbers as text need at least n digits and n - 1 blanks */
     files->part_bytes = as_text ? 2 * in_part - 1 : in_part * files->element_bytes;
     *parts = (ost_parts){
         .open = open_part, .user = files, .count = files->count, .part_bytes = files->part_bytes, .text = as_text};

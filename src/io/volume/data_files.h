@@ -39,9 +39,9 @@ typedef struct ost_data_files {
     ost_data_form form;
     int32_t sizes[3];
     size_t element_bytes;
-    uint64_t attached_at; /* offset of the first byte after the header, in the header's file */
+    uint64_t attached_at; /* offset of the first byte after the header */
     uint64_t line_skip;
-    int64_t byte_skip;    /* bytes to skip before the data; -1 if the data end at the end of the file */
+    int64_t byte_skip;    /* number of bytes to skip before the data; -1 if the data are the last bytes of the file */
 
     uint64_t part_bytes;
     /* `pattern` and `pattern_length` are used for numbered files. */
@@ -50,8 +50,8 @@ typedef struct ost_data_files {
     int64_t first, step;
     uint64_t count;
     /*
-     * Used for LIST: position and index of the next name to read. These members are kept between calls, so that the
-     * list is read only once when all files are opened.
+     * Used for LIST: position and index of the next name to read. The position is kept between calls, so that opening
+     * all files reads the list only once.
      */
     const char *list_at;
     uint64_t list_index;

@@ -278,8 +278,8 @@ static bool convert_plain(const ost_converter *c, const unsigned char *bytes, si
 }
 
 /*
- * Fast path for a CT that was stored as float32 although its values are integers. Converts elements until one is not an
- * integer in the range of int16, and returns the number of converted elements. The conversions between float and
+ * Fast path for a CT that was stored as float32 although its values are integers. Stops at the first element that is
+ * not an integer in the range of int16, and returns the number of converted elements. The conversions between float and
  * integer are exact, so no rounding mode affects them.
  */
 static size_t convert_integral(const ost_converter *c, const unsigned char *bytes, size_t count, int16_t *out)

@@ -56,7 +56,7 @@ typedef struct ost_converter {
     bool nan_as_air; /* if true, NaN is converted to OST_AIR, even if values are scaled; if false, it is an error */
     bool scaled;
     ost_binary slope, intercept;
-    uint64_t rounded, clamped, nan; /* numbers of rounded, clamped and NaN values, counted by ost_convert */
+    uint64_t rounded, clamped, nan; /* counts of the values that ost_convert rounded, clamped or found to be NaN */
 } ost_converter;
 
 typedef enum ost_bad_kind { OST_BAD_NONE, OST_BAD_NAN, OST_BAD_INFINITE, OST_BAD_RANGE } ost_bad_kind;

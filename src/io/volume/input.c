@@ -160,7 +160,7 @@ ost_status ost_input_inflate(ost_input *input, ost_error *err)
     return start_inflate(input, 15 + 32, "compressed", err);
 }
 
-/* Reads more raw bytes. raw_at == raw_end afterwards means the end of the file. */
+/* Reads more raw bytes. At the end of the file, raw_at == raw_end on return. */
 static ost_status fill_raw(ost_input *input, ost_error *err)
 {
     assert(input->raw_at == input->raw_end);
@@ -183,7 +183,7 @@ static ost_status damaged(const ost_input *input, const char *what, ost_error *e
                     input->form, (unsigned long long)file_offset(input), what, (unsigned long long)input->unpacked);
 }
 
-/* Unpacks more bytes. If out_at == out_end on return, the last member ends at the end of the file. */
+/* Unpacks more bytes. At the end of the data, out_at == out_end on return. */
 static ost_status fill_out(ost_input *input, ost_error *err)
 {
     assert(input->out_at == input->out_end);

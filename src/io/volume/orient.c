@@ -91,7 +91,7 @@ static double greatest_angle(const ost_affine *affine, const int to[3])
 
 bool ost_affine_restate(ost_affine *affine, const char code[4])
 {
-    /* letter i is a direction along LPS axis i % 3: positive for L, P and S, negative for R, A and I */
+    /* letters i and i + 3 are the positive and the negative direction of LPS axis i */
     static const char letters[] = "LPSRAI";
     const ost_affine from = *affine;
     ost_affine to = {{{0}}, {0}};
@@ -140,8 +140,8 @@ ost_status ost_orient(const ost_affine *affine, const int32_t sizes[3], ost_plac
         dims[w] = sizes[a];
         spacing[w] = llabs(step);
         /*
-         * A flipped axis begins at the centre of its last voxel. All components of the origin change, because a
-         * tilted axis has components along the other two axes. The results are below 2^43 + 3 * 2^37 * 2^14.
+         * If an axis is flipped, the origin moves to the other end of this axis. All components of the origin change,
+         * because a tilted axis has components along the other two axes. The results are below 2^43 + 3 * 2^37 * 2^14.
          */
         for (int v = 0; v < 3 && step < 0; v++)
             origin[v] += affine->column[a][v] * (sizes[a] - 1);

@@ -41,12 +41,13 @@ typedef struct ost_placement {
     char code[4];          /* directions of the file's axes, for example "LPS" or "RAS" */
     ost_geometry geometry; /* geometry of the grid in LPS+ order */
     int64_t base;          /* index of the file's voxel (0, 0, 0) in the result */
-    int64_t stride[3];     /* change of the index in the result from one voxel to the next along each file axis */
+    int64_t stride[3];     /* for each file axis, the step in the result between neighbouring voxels */
 } ost_placement;
 
 /*
- * Converts an affine transform to LPS. `code` states the directions of its three coordinates: one of the letters L R,
- * one of P A and one of S I, in any order. For any other code, returns false and leaves the affine unchanged.
+ * Converts an affine transform to LPS. `code` states the directions of its three coordinates. It consists of one letter
+ * each from L or R, P or A, and S or I, in any order. For any other code, returns false and leaves the affine
+ * unchanged.
  */
 bool ost_affine_restate(ost_affine *affine, const char code[4]);
 

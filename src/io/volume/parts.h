@@ -6,8 +6,7 @@
  *
  * Every part is checked before anything is allocated: a plain part must contain exactly its bytes, and a packed part
  * must be large enough to unpack to its bytes. The parts are then opened one after the other, so only one file is open
- * at a time. The sizes determine the number of bytes. Further data are an error, because either the sizes or the file
- * is wrong.
+ * at a time. More data than the sizes require are an error, because either the sizes or the file is wrong.
  */
 #ifndef OST_IO_VOLUME_PARTS_H
 #define OST_IO_VOLUME_PARTS_H
@@ -20,7 +19,7 @@ typedef struct ost_parts {
     void *user;
     uint64_t count;
     uint64_t part_bytes; /* size in bytes of the unpacked data of each part */
-    bool text; /* true if the data are text, whose length is not known in advance; part_bytes is then the minimum */
+    bool text; /* true if the data are text; their length is not known in advance, and part_bytes is the minimum */
     /* The functions below set the following members. */
     ost_input *input;
     uint64_t index; /* index of the next part to open */
@@ -34,7 +33,7 @@ ost_status ost_parts_check(const ost_parts *parts, ost_error *err);
  * called for text.
  */
 ost_status ost_parts_read(ost_parts *parts, void *bytes, size_t size, ost_error *err);
-/* Must be called after the last byte. Returns an error if further data follow. */
+/* Returns an error if further data follow. Must be called after the last byte has been read. */
 ost_status ost_parts_end(ost_parts *parts, ost_error *err);
 void ost_parts_close(ost_parts *parts);
 

@@ -154,7 +154,7 @@ static ost_status fill_slices(ost_rows *rows, const ost_placement *placement, in
                           voxels ? "row" : "slice", (long long)(voxels ? n : count));
     ost_placement own = *placement;
     if (!voxels) {
-        /* The placement `own` stores every slice of the file at the start of `slice`. */
+        /* with this placement, every slice of the file is stored at the start of the buffer */
         own.base -= placement->flip[2] ? count * (slices - 1) : 0;
         own.stride[2] = 0;
     }
@@ -198,7 +198,7 @@ ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_p
         return status;
     ost_geometry first = *geometry;
     if (placement->oblique) {
-        /* Only the dims of this geometry matter, because resampling uses the affine transform. */
+        /* Resampling uses only the dims of this geometry; positions follow from the affine transform. */
         first.dims = (ost_dims){rows->sizes[0], rows->sizes[1], rows->sizes[2]};
         first.origin = (ost_pm3){0, 0, 0};
         first.spacing = (ost_pm3){OST_SPACING_MIN, OST_SPACING_MIN, OST_SPACING_MIN};

@@ -25,7 +25,7 @@ struct ost_rows {
     const char *path; /* path of the header, for messages */
     const ost_volume_options *options; /* used only for progress; may be NULL */
     int32_t sizes[3]; /* sizes in the file's order */
-    ost_parts *parts; /* parts from which `next` reads; NULL or empty if the data are read otherwise */
+    ost_parts *parts; /* parts from which `next` reads; NULL or empty if `next` does not read from parts */
     ost_converter converter;
     /* The following two fields are set by the functions in this file. */
     void *scratch;            /* one row of elements */
@@ -46,9 +46,10 @@ ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[
 
 /*
  * Determines the directions of the file's axes. Called before ost_volume_resolve. On entry, *oriented is true if the
- * file states the directions; in this case, it is an error if options->orientation is set. If the file does not state
- * them, converts the affine transform to LPS according to options->orientation and sets *oriented to true, or assumes
- * LPS (report->assumed) if the option is not set. In both cases, adds the header fact OST_META_ORIENTATION to meta.
+ * file states the directions; options->orientation must then not be set. If the file does not state them, the affine
+ * transform is converted to LPS according to options->orientation, and *oriented is set to true. If this option is not
+ * set either, LPS is assumed (report->assumed). Unless the file states the directions, adds the header fact
+ * OST_META_ORIENTATION to meta.
  */
 ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine,
                                   bool *oriented, ost_meta *meta, ost_volume_report *report, ost_error *err);
@@ -63,8 +64,8 @@ ost_status ost_volume_resolve(const char *path, const ost_affine *affine, const 
 
 /*
  * Checks the parts, reads every row, and checks that no further data follow. If the target is a volume, initialises it
- * with empty meta. If the target consists of functions and each slice of the result is a slice of the file, only one
- * slice is in memory at a time.
+ * with empty meta. If the target consists of functions, only one slice is in memory at a time, provided that each slice
+ * of the result is a slice of the file.
  */
 ost_status ost_volume_fill(ost_rows *rows, const ost_affine *affine, const ost_placement *placement,
                            const ost_geometry *geometry, const ost_target *target, ost_error *err);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The destination of a file's voxels: a volume in memory, or functions that receive the voxels slice by slice. With
- * functions, the complete volume is never in memory.
+ * functions, the complete volume need not be in memory.
  */
 #ifndef OST_IO_VOLUME_TARGET_H
 #define OST_IO_VOLUME_TARGET_H

@@ -15,7 +15,7 @@ enum { PIECE = 1 << 20 }; /* number of voxels between two calls of the progress 
 struct ost_volume_writer {
     ost_outfile *file;
     size_t element_bytes;
-    int64_t all, left; /* number of voxels in the file, and number of voxels not yet written */
+    int64_t all, left; /* all: number of voxels in the file; left: number of voxels not yet written */
     ost_progress *progress;
     void *progress_user;
     bool packing;

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches four lines at a time. The differences from the expected bytes are collected in one register and tested once.
- * Densities are parsed one by one in general registers, because 64-bit lanes have no multiplication. The end of a line
- * is found together with its density. If at least one of the four lines does not match, all are matched again one by
- * one.
+ * Matches four lines at a time. The differences from the expected bytes are ORed into one register, which is tested
+ * once. Densities are parsed one by one in general registers, because NEON has no multiply instruction for 64-bit
+ * lanes. If at least one of the four lines does not match, the four lines are matched again one by one.
  */
 #include "core/conditions.h"
 
@@ -20,7 +19,7 @@ static inline uint8x16_t differ(uint8x16_t found, const char *bytes, uint8x16_t 
 }
 
 /*
- * Matches the first `count` lines (1 to 4) at *text. If all of them match and end before `end`, advances *text and
+ * Matches the first `count` lines (1 to 4) at *text. If all of them match and lie before `end`, advances *text and
  * returns true.
  */
 static inline bool match_lines(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Matches four lines at a time. The code is the same as in match_avx512.c, but with half as many lanes, and with vector
- * masks (lanes of all ones) instead of mask registers.
+ * Matches four lines at a time. The code corresponds to match_avx512.c, with four lanes instead of eight, and with
+ * vector masks (lanes of all ones) instead of mask registers.
  */
 #include "core/conditions.h"
 
@@ -10,9 +10,9 @@
 enum { LANES = 4 };
 
 /*
- * Parses one density per lane. `last` contains the eight bytes that end with the density. `length` is the density's
- * number of bytes; any value is permitted, even a negative one. Returns the values. A lane of *good is -1 if its
- * density is valid, otherwise 0.
+ * Parses one density per lane and returns the values. A lane of `last` contains the eight bytes that end with the
+ * density. A lane of `length` is the number of bytes of the density; any value is permitted, even a negative one. A
+ * lane of *good is set to -1 if the density is valid, otherwise to 0.
  */
 static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 {
@@ -76,7 +76,7 @@ static inline bool parse_words(uint64_t words[LANES], int count, bool carriage, 
 }
 
 /*
- * Matches the first `count` lines (1 to 4) at *text. If all of them match and end before `end`, advances *text and
+ * Matches the first `count` lines (1 to 4) at *text. If all of them match and lie before `end`, advances *text and
  * returns true.
  */
 static inline __attribute__((always_inline)) bool match_some(const ost_text_pattern *pattern,

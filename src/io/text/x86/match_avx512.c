@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Matches eight lines at a time (match_four.h). Their densities are parsed in parallel, one per lane, from the eight
- * bytes that begin with the density, as in match.c. If at least one of the eight lines does not match, all are matched
- * again one by one.
+ * bytes that begin with the density, as in match.c. If at least one of the eight lines does not match, the eight lines
+ * are matched again one by one.
  */
 #include "core/conditions.h"
 
@@ -66,7 +66,7 @@ static inline densities parse_words(__m512i words, bool carriage)
 }
 
 /*
- * Matches the first eight lines at *text. If all of them match and end before `end`, advances *text and returns true.
+ * Matches the first eight lines at *text. If all of them match and lie before `end`, advances *text and returns true.
  */
 static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                                const char **text, const char *end, int16_t *density)
@@ -86,7 +86,7 @@ static inline bool match_eight(const ost_text_pattern *pattern, const ost_text_c
     return true;
 }
 
-/* Matches `count` lines (1 to 8) like match_eight, but stores only the densities of these lines. */
+/* Matches `count` lines (1 to 8) as match_eight does, and stores their densities. */
 static bool match_some(const ost_text_pattern *pattern, const ost_text_column *columns, const uint8_t *lengths,
                        const char **text, const char *end, int count, int16_t *density)
 {

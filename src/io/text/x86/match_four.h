@@ -30,10 +30,10 @@
 
 enum { OST_TEXT_JUMP = 21, OST_TEXT_AHEAD = 768 };
 
-/* The expected bytes of lines, and the differences found so far. */
+/* Expected bytes, current position, and the differences found so far. */
 typedef struct match_state {
     __m256i before, before_mask, after, after_mask;
-    size_t lead, other; /* numbers of bytes in `before`, and in `before` and `after` together */
+    size_t lead, other; /* lead: length of `before` in bytes; other: length of `before` plus length of `after` */
     const char *line;   /* start of the next line */
     const char *q;      /* start of the next line's density */
     __m128i found16;    /* found16 or found32 is not 0 if at least one byte differs */
@@ -112,8 +112,8 @@ static inline __attribute__((always_inline)) void match_four(match_state *s, con
 }
 
 /*
- * Processes one line, whose pattern may have any length. Returns the eight bytes that begin with the density. They
- * contain the end of the line.
+ * Processes one line, whose pattern may have any length. Returns eight bytes, which contain the density and the end of
+ * the line.
  */
 static inline __attribute__((always_inline)) uint64_t match_one(match_state *s, const ost_text_column *column,
                                                                 uint8_t length)
