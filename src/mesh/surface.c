@@ -30,8 +30,8 @@ typedef struct pattern {
     struct {
         uint8_t length;
         /*
-         * index of a vertex whose fan of triangles has no diagonal in a face of the cell; -1 if there is no such
-         * vertex, in which case the loop needs an additional vertex in its middle
+         * index of a vertex around which a fan of triangles fills the loop without a diagonal in a face of the cell; -1
+         * if no vertex is suitable, so that the loop needs an additional vertex in its middle
          */
         int8_t apex;
         uint8_t edge[LOOP_MAX];
@@ -48,9 +48,10 @@ static void face_corners(int axis, int side, int corner[4])
 }
 
 /*
- * Computes next[e], the edge that follows edge e in a loop of the surface. On a walk around a face, counter-clockwise
- * as seen from outside the cell, each run of solid corners is entered across one edge and left across another, and the
- * surface connects the first edge to the second. Loops are therefore counter-clockwise as seen from the empty side.
+ * Computes next[e], the edge that follows edge e in a loop of the surface. Each face is walked around
+ * counter-clockwise, as seen from outside the cell. The walk enters a run of solid corners across one edge and leaves
+ * it across another; the surface connects the first edge to the second. Loops are therefore counter-clockwise as seen
+ * from the empty side.
  */
 static void join_faces(int solid, int next[EDGES])
 {
@@ -119,8 +120,9 @@ static void pattern_make(int solid, pattern *p)
 typedef struct builder {
     const ost_volume *volume;
     int32_t threshold;
-    int64_t nx, ny;          /* numbers of voxel centres along x and y, including an empty border: dims + 2 */
-    /* vertex indices of the edges in the lower [0] and upper [1] slice, along x [][0] and y [][1] */
+    int64_t nx, ny;          /* number of voxel centres along x and along y, including an empty border: dims + 2 */
+    /* vertex indices: slice[0][a] for the edges along axis a in the lower slice, slice[1][a] for those in the upper
+     * slice */
     uint32_t *slice[2][2];
     uint32_t *between;       /* vertex indices of the edges along z */
     ost_mesh mesh;
@@ -230,9 +232,9 @@ static ost_status triangle(builder *b, uint32_t x, uint32_t y, uint32_t z, ost_e
 }
 
 /*
- * Fills a loop with triangles: a fan from its apex or, if there is none, a fan around a vertex in its middle. The
- * position of this middle vertex depends on the final positions of the loop's vertices. Its element of b->coordinates
- * is therefore set to -1, and place_vertices later finds the loop through the triangles of the middle vertex.
+ * Fills a loop with a fan of triangles around its apex or, if there is none, around a new vertex in its middle. The
+ * position of a middle vertex depends on the final positions of the other vertices, so place_vertices computes it
+ * later. A value of -1 in b->coordinates marks a middle vertex.
  */
 static ost_status fill_loop(builder *b, const uint32_t *ring, int length, int apex, ost_error *err)
 {

@@ -4,9 +4,9 @@
  *
  * The method is marching cubes, with loops that are traced instead of tabulated. Each lattice edge between a solid and
  * an empty voxel centre has one vertex. On each face of a cell, segments connect the vertices so that diagonally
- * opposite solid corners remain separate. The segments form closed loops, and each loop is filled with triangles. A
- * segment belongs to the two cells that share its face, once in each direction, so each mesh edge belongs to exactly
- * two triangles, and the surface is closed for every set of voxels. Space outside the grid is empty.
+ * opposite solid corners remain separate. The segments form closed loops, and each loop is filled with triangles. The
+ * two cells that share a face contain the same segments, in opposite directions. Each mesh edge therefore belongs to
+ * exactly two triangles, and the surface is closed for every set of voxels. Space outside the grid is empty.
  *
  *     o---x---o     o solid, x vertex      two solid corners across a face:
  *     |  /    |     . empty                o--x--.
