@@ -12,8 +12,8 @@ typedef struct ost_scapular {
 /* Computes the frame. Returns false if the plan has no landmarks, or if the landmarks are collinear. */
 bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out);
 /*
- * Computes the angles by which the face with the given inward direction deviates from the lateral axis of the frame.
- * One angle is measured towards posterior, the other towards superior.
+ * Computes two angles between the outward direction of a face and the lateral axis of the frame: one towards posterior,
+ * the other towards superior. The face is given by its inward direction.
  */
 void ost_scapular_angles(const ost_scapular *frame, const double inward[3], double *retroversion_deg,
                          double *superior_deg);

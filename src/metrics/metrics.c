@@ -17,7 +17,7 @@ enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOO
 #define INSIDE_MM 45.0
 #define PLATE_MM 4.5
 #define MARGIN_MM 1.0
-#define WINDOW_MM 0.5   /* the axis of a reamer is the mean axis over the deepest half millimetre */
+#define WINDOW_MM 0.5   /* the mean axis of a reamer is taken over its deepest half millimetre */
 /*
  * Minimum depth at which the hole's wall is measured. At a depth of less than WALL_MM, the search would find the empty
  * space in front of the face.
@@ -112,8 +112,8 @@ static double ray(const work *k, const ost_volume *volume, double u, double v, d
 }
 
 /*
- * Returns the mean position w at which four rays through a cell of the map meet bone. Four rays are used so that a cell
- * on the border of two voxels includes both voxels. Returns NAN if fewer than two rays meet bone.
+ * Returns the mean position w at which four rays through a cell of the map meet bone. With four rays, a cell on the
+ * border of two voxels takes both voxels into account. Returns NAN if fewer than two rays meet bone.
  */
 static double surface(const work *k, const ost_volume *volume, double u, double v)
 {
@@ -145,9 +145,9 @@ static bool is_floor(const work *k, int i)
 }
 
 /*
- * Stores the points of the floor's cells, except those near the rim of the floor. A cell from which very little bone
- * was removed does not count as floor. At the rim, only the deeper cells therefore count, and they would distort the
- * fit. A cell is used only if all cells within RIM cells of it belong to the floor.
+ * Stores the points of the cells of the floor, except those near its rim: all cells within RIM cells of a stored cell
+ * belong to the floor. Near the rim, cells from which very little bone was removed do not count as floor. The
+ * remaining, deeper cells there would distort the fit.
  */
 static void leave_rim(work *k)
 {
@@ -165,8 +165,8 @@ static void leave_rim(work *k)
 }
 
 /*
- * Returns true if the cell or a neighbouring cell is drilled. Some rays of such a cell enter the hole. The mean depth
- * of the cell is therefore neither the depth of the floor nor the depth of the hole.
+ * Returns true if the cell or a neighbouring cell is drilled. Some rays of such a cell enter the hole, so the mean
+ * depth of the cell is neither that of the floor nor that of the hole.
  */
 static bool at_hole(const work *k, int i)
 {
@@ -205,7 +205,7 @@ static void mark_cells(work *k)
             }
 }
 
-/* Computes the maps, and the floor from the cells that were exposed by tools other than drills. */
+/* Computes the maps. Computes the floor from the cells in which bone was removed, but not by a drill. */
 static void walk_voxels(work *k)
 {
     ost_metrics *o = k->out;
@@ -243,8 +243,8 @@ static void walk_voxels(work *k)
 }
 
 /*
- * Computes the angles in degrees, in the planes of the CT, by which the outward direction deviates from lateral. *back
- * is the angle towards posterior, and *up is the angle towards superior.
+ * Computes by how many degrees the outward direction deviates from lateral: *back is the angle towards posterior, and
+ * *up is the angle towards superior. Both are measured in the planes of the CT.
  */
 static void angles(const work *k, const double inward[3], double *back, double *up)
 {
@@ -278,7 +278,10 @@ static void fit_floor(work *k)
     o->centre_depth_mm = c[2] + sqrt(fmax(0, radius * radius - c[0] * c[0] - c[1] * c[1]));
 }
 
-/* Computes depth, tilt and entry from the poses of the reamer, and the angles of plan and reamer with their errors. */
+/*
+ * Computes depth, tilt and entry from the poses of the reamer. Computes version and inclination of the plan and of the
+ * reamer, and their differences.
+ */
 static void measure_axis(work *k, const ost_metrics_motion *motion)
 {
     ost_metrics *o = k->out;
@@ -358,8 +361,9 @@ static ost_status count_voxels(work *k, const ost_density_classes *classes, doub
 }
 
 /*
- * Returns the distance from the hole to the nearest voxel that was outside the bone before the
- * operation, at most WALL_MM. Only the voxels of the hole at ENTRY_MM or deeper are used.
+ * Returns the thickness of the hole's wall: the distance from the hole to the nearest voxel that
+ * was not bone before the operation. Only voxels of the hole at ENTRY_MM or deeper are used. The
+ * result is at most WALL_MM.
  */
 static double wall_of(const work *k)
 {
@@ -403,8 +407,8 @@ static void measure_hole(work *k, const ost_metrics_motion *motion, const double
     if (!way.cut || way.reach_mm <= 0)
         return;
     /*
-     * Uses the slabs below the reamed floor and above the tip. In slabs with less than 0.9 of the largest volume, the
-     * hole leaves the bone or the scan, so these slabs are excluded.
+     * Uses the slabs below the reamed floor and above the tip. A slab with less than 0.9 of the largest volume is
+     * excluded, because the hole is partly outside the bone or the scan there.
      */
     const double from = fmax(o->reamed ? o->reach_mm : 0, 0) + 1;
     double most = 0;

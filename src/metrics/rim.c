@@ -56,10 +56,9 @@ static double trace(const float *surface, int way)
 }
 
 /*
- * Returns the extent from rim to rim along a direction. The extent is the sum of two distances of rim points from the
- * axis, measured along the direction: the greatest distance within 30 degrees of the direction, and the greatest
- * distance within 30 degrees of the opposite direction. Returns NAN if the rim is not on the map on one of the two
- * sides.
+ * Returns the extent of the face along a direction, from rim to rim. On each side of the axis, considers the rim points
+ * within 30 degrees of the direction, and uses the one that is farthest along the direction. Returns NAN if one of the
+ * sides has no such point on the map.
  */
 static double across(const rim *edge, int way)
 {
@@ -82,7 +81,7 @@ void ost_metrics_rim(ost_metrics *m)
         after.r[k] = trace(m->after_mm, k);
         if (isnan(before.r[k]))
             continue;
-        /* A direction in which no rim is found after the operation counts as lowered. */
+        /* If no rim is found after the operation, the rim counts as lowered in this direction. */
         const double down = isnan(after.r[k])
                                 ? NAN
                                 : (double)m->after_mm[cell(k, after.r[k])] - (double)m->before_mm[cell(k, before.r[k])];

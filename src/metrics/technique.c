@@ -36,8 +36,9 @@ static bool cuts(const ost_motion *m)
 }
 
 /*
- * Finds the intervals of ticks for which the function `is` returns true. Returns the number of intervals and adds their
- * durations to *seconds. If `in` is not NULL, sets in[i] to true if tick i lies in an interval.
+ * Finds the intervals in which the function is() returns true. Intervals less than gap_s apart are merged. Returns the
+ * number of intervals and adds their durations to *seconds. Unless the array `in` is NULL, in[i] is set to true for
+ * each tick i in an interval.
  */
 static int spells(const ost_motion *m, size_t count, bool (*is)(const ost_motion *), double gap_s, double *seconds,
                   bool *in)
@@ -87,7 +88,7 @@ static void forces(const ost_motion *m, size_t count, const bool *in, double *sc
 
 static void plunges(const ost_motion *m, size_t count, const bool *in, const double w[3], ost_technique *out)
 {
-    size_t from = 0, broken = 0; /* `broken` is the index of the tick after the last tick with contact */
+    size_t from = 0, broken = 0; /* broken: first tick since contact began or the tool changed */
     bool fast = false;
     double begun = 0;
     for (size_t i = 0; i < count; i++) {

@@ -60,7 +60,7 @@ ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_
     const double along = ost_vector_dot(way.axis, frame->w),
                  s = along > 0.01 ? ost_vector_dot(tip, frame->w) / along : 0;
     const double entry[3] = {tip[0] - s * way.axis[0], tip[1] - s * way.axis[1], tip[2] - s * way.axis[2]};
-    /* Uses atan2 with the sine, because the cosine of a small angle is near 1 and therefore imprecise. */
+    /* Uses atan2 instead of acos, because acos is imprecise for small angles. */
     const double across[2] = {ost_vector_dot(way.axis, frame->u), ost_vector_dot(way.axis, frame->v)};
     way.cut = true;
     way.tilt_deg = atan2(sqrt(across[0] * across[0] + across[1] * across[1]), along) * DEG;

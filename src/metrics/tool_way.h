@@ -14,18 +14,18 @@ typedef struct ost_tool_way {
     bool cut;            /* true if the tool removed bone; the other fields are set only in this case */
     double reach_mm;     /* deepest position of the tip along w */
     double tilt_deg;     /* angle between the tool's axis and w */
-    double entry_mm;     /* distance in the plane w = 0 from the plan's centre to the tool's axis */
+    double entry_mm;     /* distance from the plan's centre to the point where the tool's axis meets the plane w = 0 */
     double axis[3];      /* mean direction of the axis, unit length, in the bone's frame */
 } ost_tool_way;
 
 /*
- * Computes the mean tip and the mean axis of all tools of type `kind`. The means are taken over the ticks in which a
- * tool removed bone while its tip was within window_mm of the deepest position of the tip.
+ * Computes the mean tip and the mean axis of the tools of one kind. Only ticks are used in which such a tool removed
+ * bone and its tip was within window_mm of its deepest position.
  */
 ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame,
                              double window_mm);
 
-/* Sets mark[i] to 1 for each voxel within reach of a drill in a tick in which the drill removed bone. */
+/* Sets mark[i] to 1 for each voxel that a drill can have reached in a tick in which it removed bone. */
 void ost_tool_way_mark(const ost_metrics_motion *motion, const ost_geometry *geometry, uint8_t *mark);
 
 #endif
