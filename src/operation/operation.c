@@ -31,7 +31,7 @@ struct ost_operation {
     int32_t tool;      /* index of the tool to use if the device selects none */
     ost_pose hand;     /* pose of the last tick, with the clutch applied and without the motor's rotation */
     haptic_clutch clutch;
-    bool clutched;     /* true if the clutch is applied between device and hand */
+    bool clutched;     /* true once OST_ACTION_CLUTCH or OST_ACTION_HOME has moved the hand relative to the device */
     int32_t last_tool;
     ost_safety safety;
     bool given;        /* true if a force is written to the device in this tick */
@@ -374,8 +374,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
         return true;
     }
     /*
-     * After a drop-out, there is no sweep from the previous pose. The limit on the distance still applies: a device
-     * that is far from the previous pose causes a fault.
+     * After a drop-out, there is no sweep from the previous pose, but a device that is too far from the previous pose
+     * still causes a fault.
      */
     const bool lifted = !sample->declared && sample->state.lifted;
     o->lifted |= o->dropout > 0;
@@ -395,7 +395,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_fault fault = judge(o, &tick, put);
     run_motor(o, &sample->state, o->on || is(active_actions, OST_ACTION_MOTOR), &motor, &tick);
     if (put)
-        /* the safety layer is reset, so that the displacement does not count as work of the hand */
+        /* resets the safety layer, so that this displacement is not included in the work of the hand */
         ost_safety_stop(&o->safety);
     if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_set_pose(o->options.force, tick.tool, &tick.pose);
@@ -444,8 +444,8 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
 }
 
 /*
- * Rehearses the next tick under the assumption that the hand does not move. A tool that is coupled to the hand by a
- * force still moves.
+ * Rehearses the next tick under the assumption that the hand does not move. The tool may move nevertheless if a force
+ * couples it to the hand.
  */
 void ost_operation_rehearse(void *operation)
 {
