@@ -34,16 +34,15 @@ typedef struct recipe {
     double wall;       /* half thickness of a wall in mm */
     double walls;      /* fraction of the pairs of neighbouring cells that have a wall between them */
     double radius;     /* radius in mm of a core drilled along z; 0 for a block */
-    int solid, grain;  /* density of the solid in HU, and the variation of this density with position */
+    int solid, grain;  /* solid: density of the solid, HU; grain: variation of this density with position, HU */
     int filling;       /* density of the filling between the struts, HU */
     int noise;         /* twice the standard deviation of the noise, HU */
 } recipe;
 
 /*
  * Bone has walls and struts 0.15 to 0.25 mm thick, spaces of 0.6 to 0.9 mm, and marrow in the spaces. Foam has cells of
- * 1 to 2 mm, filled with air. If the core has a radius of 5.0 mm, the 3 outermost columns of chunks are empty at each
- * corner of its box. In each layer, 88 of 100 chunks are therefore not empty, as in Table 3.2 (1060 of 1200, 1669
- * of 1900).
+ * 1 to 2 mm, filled with air. With a core radius of 5.0 mm, the three outermost columns of chunks at each corner of the
+ * box are empty. Thus 88 of the 100 chunks in each layer are not empty, as in Table 3.2 (1060 of 1200, 1669 of 1900).
  */
 static const recipe BLOCK_OF_BONE = {0.95, 1.25, 0.85, 0.105, 0.075, 0.45, 0, 1350, 300, 10, 70};
 static const recipe CORE_OF_BONE = {1.0, 1.2, 0.85, 0.1, 0.075, 0.4, 5.0, 1350, 300, 10, 70};
@@ -94,9 +93,9 @@ static int gather(const recipe *r, uint64_t seed, ost_v3 middle, double half, se
                     }
             }
     /*
-     * For a voxel of the block, the distance to the third nearest point is at most `half` greater
-     * than for the middle of the block.  The distance of any point also changes by at most `half`
-     * between the middle and the voxel.
+     * A voxel is at most the length `half` away from the middle of the block. Its distance to any
+     * point, and its distance to the third nearest point, therefore differ by at most `half` from
+     * those of the middle.
      */
     double reach = sqrt(nearest[2]) + 2 * half;
     int kept = 0;
@@ -144,8 +143,8 @@ static double distance(const recipe *r, const seedling *near, int count, ost_v3 
     double la = ost_v3_length(a), lb = ost_v3_length(b);
     double d2 = r->cell * (f2 - f1) / (2 * la), d3 = r->cell * (f3 - f1) / (2 * lb);
     /*
-     * The strut lies on the line in which the planes of the two walls intersect. This line is the same for each of
-     * the three cells.
+     * The axis of the strut is the intersection of the planes of the two walls. It is the same line for each of the
+     * three cells.
      */
     double between = ost_v3_dot(a, b) / (la * lb), sharp = ost_max(1 - between * between, 0.04);
     double solid = sqrt(ost_max(d2 * d2 + d3 * d3 - 2 * d2 * d3 * between, 0) / sharp) - r->strut;
@@ -160,7 +159,7 @@ typedef struct corer {
     const ost_scan *scan;
     const recipe *recipe;
     ost_v3 centre; /* centre of the box in mm */
-    double blur;   /* mean spacing in mm before scaling; the `width` of ost_scan_cover */
+    double blur;   /* mean spacing in mm before scaling; passed to ost_scan_cover as the width */
 } corer;
 
 /* Returns the position of a voxel's centre in mm before scaling. */

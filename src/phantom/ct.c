@@ -29,9 +29,8 @@
 #define PLATE 1.9  /* thickness of compact bone under the cartilage in mm */
 
 /*
- * The pose of the scapula in the patient. The lateral end of the blade is turned forward, and the top of the blade
- * leans slightly forward. A rotation is given by the tangent of half its angle, so that the rotation matrix is
- * rational and requires no libm.
+ * The pose of the scapula in the patient. Each of the three rotations is given by the tangent of half its angle, so
+ * that the rotation matrix is rational and requires no libm.
  */
 #define TURN_HALF 0.21 /* 24 degrees: the lateral end of the blade is turned forward out of the coronal plane */
 #define LEAN_HALF 0.09 /* 10 degrees: the top of the blade leans forward */
@@ -40,10 +39,10 @@
 static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* position of the centre of the box in the bone's frame */
 
 typedef struct pose {
-    /* Rows of the rotation from the bone's frame to the patient's lateral, anterior and superior direction. */
+    /* Rotation matrix: its rows are the patient's lateral, anterior and superior direction in the bone's frame. */
     ost_v3 row[3];
     ost_v3 centre;   /* centre of the box in the patient's LPS frame, in mm */
-    double scale;    /* mm of the patient per mm of the mean shape */
+    double scale;    /* size relative to the mean shape */
 } pose;
 
 static pose make_pose(double scale)
@@ -52,8 +51,8 @@ static pose make_pose(double scale)
     double l = LEAN_HALF, a = (1 - l * l) / (1 + l * l), b = 2 * l / (1 + l * l);
     double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
     /*
-     * The lift is a rotation in the plane of the blade, the lean is a rotation about the lateral axis, and the turn is
-     * a rotation about the vertical axis.
+     * The lift is a rotation in the plane of the blade, the lean about the lateral axis, and the turn about the
+     * vertical axis.
      */
     ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
     const double basis[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
@@ -169,13 +168,10 @@ static int16_t voxel_hu(const ost_scan *scan, ost_noise_cell cells[2], const ost
 #define SHAFT_RADIUS 11.0
 #define SHAFT_LENGTH 90.0
 
-/*
- * A humerus in the bone's frame. It consists of a ball in front of the glenoid, and a shaft that hangs from the
- * ball.
- */
+/* A humerus in the bone's frame: a ball in front of the glenoid, and a shaft below the ball. */
 typedef struct humerus {
-    ost_v3 head, end; /* ends of the shaft's axis: the centre of the head, and the far end */
-    double size;      /* mm of this bone per mm of the mean shape */
+    ost_v3 head, end; /* ends of the shaft's axis; `head` is also the centre of the head */
+    double size;      /* size relative to the mean shape */
 } humerus;
 
 static humerus make_humerus(const ost_scapula *s)
@@ -215,7 +211,7 @@ typedef struct scanner {
     ost_scapula scapula;
     humerus humerus;
     pose pose;
-    double blur;     /* mean spacing in mm before scaling; the `width` of ost_scan_cover */
+    double blur;     /* mean spacing in mm before scaling; passed to ost_scan_cover as the width */
     int64_t first[3]; /* index of this grid's first voxel in the grid for which the noise is defined */
 } scanner;
 
@@ -238,14 +234,13 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     ost_scapula_near(&c->scapula, middle, 0, &part);
     ost_scapula_at(&part, middle, &at);
     /*
-     * A computed distance exceeds the true distance by at most half of the true distance, hence the
-     * factor 1.5.  If the computed distances of a block's centre are greater than `reach`, no voxel
-     * of the block depends on a surface.
+     * A computed distance is at most 1.5 times the true distance. If both computed distances of a
+     * block's centre are greater than `reach`, no voxel of the block depends on a surface.
      */
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};
     bool empty = at.bone > reach && at.cartilage > reach;
-    if (!empty) /* The pose is a rotation and a scale. The added 1e-6 mm exceeds the rounding errors of the radius. */
+    if (!empty) /* The pose only rotates and scales. 1e-6 mm exceeds the rounding errors of the radius. */
         ost_scapula_near(&c->scapula, middle, 0.5 * ost_v3_length(ost_v3_sub(b, a)) / c->pose.scale + 1e-6, &part);
     for (int k = lo[2]; k < hi[2]; k++)
         for (int j = lo[1]; j < hi[1]; j++) {

@@ -38,10 +38,10 @@ ost_status ost_scan_scapula(const ost_scan *scan, ost_error *err);
 ost_status ost_scan_core(const ost_scan *scan, ost_phantom_kind kind, ost_error *err);
 
 /*
- * Calls the function `block` for boxes lo <= (i, j, k) < hi that partition the grid, on several threads at once.
- * `block` must therefore not change *user, except for the voxels of its box. A box is about `mm` millimetres wide,
- * measured before the anatomy is scaled. Returns OST_ERR_CANCELLED if the progress callback cancels the
- * computation. The callback is called on this thread.
+ * Calls the function `block` for boxes lo <= (i, j, k) < hi that partition the grid, on several threads at once. The
+ * function may therefore write only the voxels of its box, and nothing else in *user. `mm` is the approximate width of
+ * a box in millimetres before the anatomy is scaled. Returns OST_ERR_CANCELLED if the progress callback cancels the
+ * computation. The callback is called on the calling thread.
  */
 ost_status ost_scan_blocks(const ost_scan *scan, double mm,
                            void (*block)(void *user, const int lo[3], const int hi[3]), void *user, ost_error *err);

@@ -116,7 +116,7 @@ static double square(double v)
     return v * v;
 }
 
-/* Returns a smooth bump: 1 if v is at `centre`, falling to 0 at the distance `half` on either side. */
+/* Returns a smooth bump: 1 at v = centre, falling to 0 at v = centre - half and at v = centre + half. */
 static double bump(double v, double centre, double half)
 {
     double t = 1 - square((v - centre) / half);
@@ -165,8 +165,8 @@ static double acromion_sheet(double x, double y)
 }
 
 /*
- * Returns the distance to a plate that has a round edge and the half thickness `half`. `off` is the distance from
- * the plate's sheet, and `inside` is the distance inside the plate's outline.
+ * Returns the distance to a plate with a round edge. `off` is the distance from the sheet in the middle of the plate,
+ * `inside` is the distance inside the plate's outline, and `half` is half of the thickness.
  */
 static double plate(double off, double inside, double half)
 {
@@ -177,8 +177,8 @@ static double plate(double off, double inside, double half)
 }
 
 /*
- * Returns the distance to the vault of the glenoid.  Toward the neck, the pear-shaped cross section
- * becomes narrower, more in width than in height, and its middle moves to the sheet of the body.
+ * Returns the distance to the vault of the glenoid. Toward the neck, the pear-shaped cross section
+ * shrinks, more in width than in height, and its middle moves to the sheet of the body.
  */
 static double vault(const ost_scapula *s, double depth, double ahead, double above)
 {
@@ -207,8 +207,8 @@ void ost_scapula_at(const ost_scapula_part *part, ost_v3 p, ost_scapula_sample *
     double depth = -ost_v3_dot(from, s->out), ahead = ost_v3_dot(from, s->ahead), above = ost_v3_dot(from, s->above);
 
     /*
-     * If the sheet is sloped, the height of a point above the sheet is greater than its distance from the sheet.
-     * Where this difference has an effect, it is at most a tenth of the height.
+     * Heights above the sheets are used in place of distances. Above a sloped sheet, the height is greater than the
+     * distance, by at most a tenth where this has an effect.
      */
     double body = 1e30, half = 0;
     double inside = ost_outline_inside(&s->body, p.x, p.z);
@@ -286,7 +286,7 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
     s->seed = seed;
     s->size = GREATEST_SIZE * (0.982 + 0.010 * vary(seed, 1));
     /*
-     * Tangents of the angles by which the face is tilted: 2 degrees backward and 5 degrees upward. Each angle
+     * Tangents of the angles at which the face is tilted backward and upward. The mean angles are 2 and 5 degrees; each
      * varies by up to 2 degrees.
      */
     double back = 0.035 + 0.035 * vary(seed, 2), up = 0.087 + 0.035 * vary(seed, 3);

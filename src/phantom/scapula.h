@@ -22,12 +22,13 @@
 
 typedef struct ost_scapula {
     uint64_t seed;
-    double size;  /* mm of this bone per mm of the mean shape; all coordinates are in the frame of the mean shape */
+    double size;  /* size relative to the mean shape; all coordinates are in the frame of the mean shape */
     ost_v3 trigonum, inferior; /* landmarks; the trigonum is the root of the spine on the medial border */
     ost_v3 face;  /* centre of the glenoid's face, on the cartilage */
-    /* Unit vectors of the glenoid's frame: outward, and anterior and superior along the face. */
+    /* Unit vectors of the glenoid's frame. out: outward; ahead: anterior along the face; above: superior along the
+     * face. */
     ost_v3 out, ahead, above;
-    ost_v3 dish, pad; /* centres of two spheres: of the bony dish, and of the cartilage's face */
+    ost_v3 dish, pad; /* centres of the spheres that form the bony dish (dish) and the face of the cartilage (pad) */
     ost_outline body, spine, acromion, pear;
     ost_bar crest, pillar, coracoid, root;
 } ost_scapula;
@@ -45,15 +46,15 @@ typedef struct ost_scapula_sample {
 
 ost_status ost_scapula_init(ost_scapula *scapula, uint64_t seed, ost_error *err);
 void ost_scapula_free(ost_scapula *scapula);
-/* The parts of the swept bars (shape.h) on which the samples in a ball depend. The scapula must outlive the parts. */
+/* The segments of the bars (shape.h) that affect the samples in a ball. The scapula must outlive this struct. */
 typedef struct ost_scapula_part {
     const ost_scapula *scapula;
     ost_bar_part crest, pillar, coracoid, root;
 } ost_scapula_part;
 
-/* Selects the parts for the ball around `centre`. A greater radius increases the time but does not change samples. */
+/* Selects the segments for the ball around `centre`. A larger radius costs time but does not change the samples. */
 void ost_scapula_near(const ost_scapula *scapula, ost_v3 centre, double radius, ost_scapula_part *part);
-/* Computes the sample at a point p of the ball of `part`. The result does not depend on the ball. */
+/* Computes the sample at p, which must lie in the ball of `part`. Any ball that contains p gives the same result. */
 void ost_scapula_at(const ost_scapula_part *part, ost_v3 p, ost_scapula_sample *out);
 
 #endif

@@ -23,18 +23,18 @@ static double spline(double a, double b, double c, double d, double t)
 enum { PIECES = 6 }; /* number of straight pieces between two points of an outline */
 
 typedef struct piece {
-    double u, v, du, dv, inverse; /* start and direction of the piece; inverse of its squared length */
+    double u, v, du, dv, inverse; /* start (u, v) and direction (du, dv) of the piece; inverse: 1 / squared length */
     /*
-     * Coordinate v of the piece's end, bit-identical to coordinate v of the next piece's start. Therefore a ray through
-     * the common point of two pieces crosses exactly one of the two pieces.
+     * Coordinate v of the piece's end. It is bit-identical to v of the next piece, so that a ray through the common
+     * point of two pieces crosses exactly one of them.
      */
     double end_v;
     int tag;
 } piece;
 
 /*
- * Computes the squared distance to the nearest piece of each tag. Returns true if (u, v) lies inside the outline,
- * which is determined by the crossings of a ray along u.
+ * Stores in best[t] the squared distance from (u, v) to the nearest piece with tag t. Returns true if (u, v) lies
+ * inside the outline, according to the number of crossings of a ray along u.
  */
 static bool measure(const piece *pieces, int count, double u, double v, double best[OST_OUTLINE_TAGS])
 {
@@ -129,8 +129,8 @@ void ost_outline_free(ost_outline *outline)
 }
 
 /*
- * Returns the value of a table at the point (u, v), after clamping the point to the table. Sets *beyond to the
- * distance by which the point was clamped.
+ * Returns the value of a table at the point (u, v). A point outside the table is first moved to the nearest point of
+ * the table's border. *beyond is set to the distance of this move.
  */
 static double lookup(const ost_outline *o, const double *table, double u, double v, double *beyond)
 {
@@ -212,8 +212,9 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
 }
 
 /*
- * Returns the first-order distance (k - 1) / |grad k| to an ellipsoid around the nearest point of the path. The
- * ellipsoid has the radii (wide, thick, thick). k is the distance from its centre, relative to its radii.
+ * Returns the first-order distance (k - 1) / |grad k| from p to an ellipsoid, whose surface is k = 1. The centre of the
+ * ellipsoid is the point of the path nearest to p, its radii are (wide, thick, thick), and k is the distance of p from
+ * the centre, relative to the radii.
  */
 static double segment_distance(const ost_bar_segment *segment, ost_v3 p)
 {
@@ -233,12 +234,13 @@ static double segment_distance(const ost_bar_segment *segment, ost_v3 p)
 }
 
 /*
- * Returns false if ost_bar_distance skips the segment, given that `best` is the best distance found so far. If the
- * result is true, it is also true for any greater `best`, because every operation is monotonic, including its rounding.
+ * Returns false if ost_bar_distance skips the segment, because it has already found the distance `best`. If the result
+ * is true for some value of `best`, it is true for all greater values, because every operation is monotonic, including
+ * its rounding.
  */
 static bool is_in_reach(const ost_bar_segment *segment, ost_v3 p, double best)
 {
-    /* The factor 1.5 is needed, because segment_distance returns too great a distance next to a flat bar. */
+    /* Next to a flat bar, segment_distance returns too great a distance; hence the factor 1.5. */
     const ost_v3 d = ost_v3_sub(p, segment->middle);
     const double reach_limit = ost_max(best, 0) * 1.5 + segment->reach;
     return ost_v3_dot(d, d) < reach_limit * reach_limit;
@@ -266,8 +268,12 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far)
 }
 
 /*
- * Let o be the distance from a point to the path of a segment, s and r its parts along `side` and perpendicular to it,
- * w and t the radii there, and least and greatest the limits of all radii of the segment. With
+ * Bounds of segment_distance for a point and a segment:
+ *
+ *   o                  distance from the point to the segment's path
+ *   s, r               components of o: s along `side`, r perpendicular to `side`
+ *   w, t               radii at the nearest point of the path: w along `side`, t perpendicular to `side`
+ *   least, greatest    smallest and largest radius anywhere on the segment
  *
  *   k^2 = s^2 / w^2 + r^2 / t^2,   g^2 = s^2 / w^4 + r^2 / t^4,   segment_distance = k^2 / g - k / g,
  *
@@ -305,8 +311,8 @@ void ost_bar_near(const ost_bar *bar, ost_v3 centre, double radius, ost_bar_part
 
 double ost_bar_blend(const ost_bar_part *part, double a, ost_v3 p, double far, double width)
 {
-    /* The distance to the bar is at least part->least or exceeds `far`. If a + width is below both bounds, the bar has
-       no influence, and the result of the blend is a. */
+    /* The distance to the bar is at least part->least, or greater than the limit `far`. If a + width is below both
+       bounds, the bar does not affect the blend, whose result is then a. */
     if (a + width < part->least && a + width < far - MARGIN)
         return a;
     const ost_bar *bar = part->bar;
@@ -323,8 +329,8 @@ double ost_bar_blend(const ost_bar_part *part, double a, ost_v3 p, double far, d
         }
     }
     /*
-     * `best` is the least distance of all segments. If the nearest segment is flat and not in reach, ost_bar_distance
-     * skips this segment and returns a greater distance, which must be used here too.
+     * If the nearest segment is flat and not in reach, ost_bar_distance skips this segment and returns a greater
+     * distance. This function must return the same distance.
      */
     if (!is_in_reach(&bar->segment[nearest], p, best))
         best = ost_bar_distance(bar, p, far);

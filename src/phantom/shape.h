@@ -94,9 +94,8 @@ ost_status ost_outline_init(ost_outline *outline, const ost_outline_point *point
                             double margin, ost_error *err);
 void ost_outline_free(ost_outline *outline);
 /*
- * The two functions below interpolate a table bilinearly. Outside the table, they use the value at the table's
- * border; ost_outline_inside subtracts the distance to the border from this value, and ost_outline_to_tag adds the
- * distance to it.
+ * The two functions below interpolate a table bilinearly. Outside the table, they use the nearest value at the table's
+ * border. ost_outline_inside then subtracts the distance to the border; ost_outline_to_tag adds it.
  */
 double ost_outline_inside(const ost_outline *outline, double u, double v);
 double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double v);
@@ -105,7 +104,7 @@ double ost_outline_to_tag(const ost_outline *outline, int tag, double u, double 
 
 typedef struct ost_bar_node {
     ost_v3 at;
-    double wide, thick; /* radii of the cross section: along `side`, and perpendicular to `side` */
+    double wide, thick; /* radii of the cross section: wide along `side`, thick perpendicular to it */
     ost_v3 side;        /* direction in the cross section; it need not be a unit vector or perpendicular to the path */
 } ost_bar_node;
 
@@ -128,7 +127,10 @@ typedef struct ost_bar {
     ost_v3 lo, hi; /* box that contains the bar */
 } ost_bar;
 
-/* The segments of a bar that determine the distance of every point of a ball, and a lower bound for this distance. */
+/*
+ * The segments of a bar that can be nearest to a point of a ball. `least` is a lower bound of all distances in the
+ * ball.
+ */
 typedef struct ost_bar_part {
     const ost_bar *bar;
     double least;
@@ -142,8 +144,8 @@ typedef struct ost_bar_part {
  */
 void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts);
 /*
- * Returns the distance from p to the bar. If p is farther than `far` from the box that contains the bar, returns the
- * distance to the box, which is smaller.
+ * Returns the distance from p to the bar. If the distance from p to the box around the bar exceeds the limit `far`,
+ * returns this distance instead, which is smaller.
  */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
 /*

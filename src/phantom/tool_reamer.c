@@ -17,9 +17,9 @@
  * 36 mm, about the curvature of a glenoid).  The crests of all teeth lie on the sphere and only the
  * grooves lie deeper, so a turning reamer sweeps the smooth dome.
  *
- * The rim's flats face 0, 120 and 240 degrees at 29/30 of the radius, and there are crests at all
- * multiples of 30 degrees.  Therefore the bounds of the default head are exactly (-18, -18, 0) to
- * (17.4, 18, 20.3) mm.  The three grids of the thesis follow from these bounds
+ * The flats of the rim are at 29/30 of the radius and face 0, 120 and 240 degrees. The crests of the
+ * teeth are at all multiples of 30 degrees. Therefore the bounds of the default head are exactly
+ * (-18, -18, 0) to (17.4, 18, 20.3) mm. The three grids of the thesis follow from these bounds
  * (docs/spec/arithmetic.md, AR-TOOL).
  *
  * In polar coordinates, the face and the back are heights as functions of the radius.  The back is
@@ -61,8 +61,8 @@ static ost_q60 groove_share(const reamer *r, int k)
 }
 
 /*
- * Returns the radius of the outline at segment k, as a share of the full radius. The share is 1, or less on the
- * flats.
+ * Returns the radius of the outline at segment k, as a share of the full radius. The share is less than 1 on the flats
+ * and 1 elsewhere.
  */
 static ost_q60 flat_share(const reamer *r, int k)
 {
@@ -110,8 +110,7 @@ static void face_ring(const reamer *r, ost_skin *skin, int ring)
 }
 
 /*
- * Makes a ring of the back. If `outline` is true, the ring has the outline of the rim. Otherwise, the ring is a
- * circle, as it is near the hub.
+ * Makes a ring of the back. If `outline` is true, the ring has the outline of the rim; otherwise, the ring is a circle.
  */
 static void back_ring(const reamer *r, ost_skin *skin, ost_pm radius, ost_pm z, bool outline)
 {
@@ -159,7 +158,7 @@ ost_status ost_tool_make_reamer(const ost_tool_options *options, ost_mesh *out, 
     /* Radii and heights are in 360ths of the diameter. For a diameter of 36 mm, a 360th is a tenth of a millimetre. */
     const struct {
         int radius;
-        int above_rim; /* height above the rim; if negative, below_top is used */
+        int above_rim; /* height above the rim; if negative, below_top gives the height */
         int below_top; /* distance below the top of the hub */
         bool outline;
     } back[BACK_RINGS] = {

@@ -41,7 +41,7 @@ void ost_circle(int64_t k, int64_t n, ost_q60 *cosine, ost_q60 *sine)
     int octant = (int)(eighths / n);
     int64_t remainder = eighths % n;
     if (octant & 1)
-        /* in an odd octant, the angle is measured backward from the axis of reflection at the octant's end */
+        /* an odd octant is a mirror image, so its angle is measured backward from the octant's end */
         remainder = n - remainder;
     ost_q60 c, s;
     first_eighth((ost_q60)ost_rhe_div128((ost_i128)QUARTER_PI * remainder, n), &c, &s);
