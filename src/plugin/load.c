@@ -25,7 +25,7 @@ static ost_status check_table(const char *file, const ost_plugin *found, ost_plu
     if (found->abi != OST_PLUGIN_ABI)
         return ost_fail(err, OST_ERR_USAGE, "%s: built for version %u of the plugin interface; expected version %u",
                         file, (unsigned)found->abi, (unsigned)OST_PLUGIN_ABI);
-    /* the member `snap` and the members after it were added without a new ABI number */
+    /* members from `snap` on were added without a new ABI number, so the table of an older plugin may lack them */
     const size_t least = offsetof(ost_plugin, snap);
     if (found->size < least)
         return ost_fail(err, OST_ERR_USAGE, "%s: its table has %u bytes; version %u of the plugin interface has %zu",
