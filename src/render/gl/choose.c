@@ -82,8 +82,8 @@ void ost_gl_choose_blocks(ost_gl *gl, const ost_gl_variant *v, ost_gl_layer *l)
 }
 
 /*
- * Writes to out[] the numbers of the block's points that are in `wanted` cells and have a face toward the eye. Returns
- * the number of these points.
+ * Lists the points of the block that are in one of the `wanted` cells and have a face toward the eye. Writes the
+ * numbers of these points to out[], and returns their count.
  */
 static uint32_t list_points(const ost_surface_block *b, const float base[3], uint64_t wanted, uint32_t first,
                             uint32_t *out)
@@ -102,8 +102,8 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
     return n;
 }
 
-/* Writes to out[] the numbers of the block's bricks that are in `wanted` cells, and returns the count of these bricks.
-   The bricks of a run are numbered in the order of their bits in run->bricks. */
+/* Lists the bricks of the block that are in one of the `wanted` cells. Writes their numbers to out[], and returns their
+   count. The bricks of a run are numbered in the order of their bits in run->bricks. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;
@@ -115,14 +115,14 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* Returns an upper bound of the width, in pixels, at which a voxel of the block may appear. The bound uses the
- * greatest slope (splat_scalar.c), which is at a corner of the frame. */
+/* Returns an upper bound of the width in pixels of any voxel of the block. The width grows with the slope of the ray
+ * (splat_scalar.c), which is greatest at a corner of the frame. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
     const ost_eye *e = &s->eye;
     const float middle[3] = {base[0] + 15.5f, base[1] + 15.5f, base[2] + 15.5f};
     const float nearest = ost_eye_dot(e->forward, middle) - (float)OST_BLOCK * s->reach[2];
-    /* For an eye of a headset, the forward axis is not in the middle of the frame. */
+    /* In the frame of a headset's eye, the forward axis does not pass through the middle. */
     const float farther_w = fmaxf(e->half_w, (float)e->width - e->half_w),
                 farther_h = fmaxf(e->half_h, (float)e->height - e->half_h);
     const float slope = hypotf(farther_w, farther_h) / e->focal, wide = 1.7320508f * sqrtf(1 + slope * slope);
@@ -159,7 +159,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
 }
 
-/* Width of a voxel in pixels below which bricks are drawn faster than points. */
+/* width in pixels; if voxels appear smaller, bricks are drawn faster than points */
 static const float SMALL_VOXEL = 3.0f;
 
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)

@@ -241,9 +241,9 @@ static void drop(ost_gl_context *c)
 }
 
 /*
- * Opens the first candidate that is not a software renderer. If there is none, opens the first candidate that works, or
- * fails if the options require a graphics card. On failure, err contains the error of the first candidate that failed,
- * or the name of a software renderer.
+ * Opens the first candidate with a hardware renderer. If there is none, opens the first candidate that works, unless
+ * the options require a graphics card. On failure, err contains the error of the first candidate that could not be
+ * opened, or the name of a software renderer.
  */
 static ost_status open_egl(ost_gl_context *c, const ost_gl_options *options, ost_error *err)
 {

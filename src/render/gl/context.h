@@ -21,7 +21,7 @@ typedef struct ost_gl_context {
     EGLConfig config;
     int version;         /* version of the context, times ten; not greater than the version in the options */
     bool persistent;     /* true if buffers can stay mapped (OpenGL 4.4) */
-    /* true if clip-space depth can range from 0 to 1 (OpenGL 4.5), in which case depths are stored without rounding */
+    /* true if clip-space depth can range from 0 to 1 (OpenGL 4.5); depths are then stored without rounding */
     bool zero_to_one;
     ost_gl_info info;
     char complaint[256]; /* the driver's first message since the last check */

@@ -209,7 +209,9 @@ static ost_status draw_layer(ost_gl *gl, const ost_gl_variant *v, int number, os
     return status;
 }
 
-/* Draws all layers against one depth buffer, into the G-buffer or, with OST_GL_FORWARD, into the picture. */
+/*
+ * Draws all layers with one depth buffer. Draws into the G-buffer or, with OST_GL_FORWARD, directly into the picture.
+ */
 static ost_status draw_together(ost_gl *gl, const ost_gl_variant *v, int count, ost_error *err)
 {
     const ost_gl_program_key key = {.stage = OST_GL_STAGE_WIDE, .target = v->target};
@@ -255,10 +257,7 @@ static ost_status prepare(ost_gl *gl, const ost_gl_variant *v, int number, ost_e
                    : ost_gl_store_bring(&gl->context, &gl->store, s, l->form, &l->resident, err);
 }
 
-/*
- * Builds the list of each layer, then draws the layers one by one. On entry, gl->blocks contains the blocks of the
- * layer that was prepared last.
- */
+/* Builds the lists of the layers and draws the layers, one by one or together. */
 static ost_status draw_all(ost_gl *gl, const ost_gl_variant *v, int count, ost_style style, ost_error *err)
 {
     uint64_t points = 0;

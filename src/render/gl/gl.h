@@ -36,8 +36,8 @@ typedef enum ost_gl_target {
 
 /* A drawing method. The variants other than ost_gl_ours and ost_gl_thesis exist only for comparisons. */
 typedef struct ost_gl_variant {
-    /* true to draw a point for each voxel of each used block, even if it is not active, as in the thesis; requires
-       OST_GL_WIDE */
+    /* true to draw, as in the thesis, a point for each voxel of each used block, including voxels that are not active;
+       requires OST_GL_WIDE */
     bool every_voxel;
     bool frustum;     /* true to skip blocks outside the view frustum */
     bool facing;      /* true to skip points without a face toward the eye */
@@ -83,8 +83,8 @@ typedef struct ost_gl_options {
     bool hardware; /* true to refuse software renderers */
     /*
      * true to use the context that is current on the calling thread, for example that of a window, instead of a
-     * separate context and thread. All functions must then be called on this thread while the context is current, and
-     * ost_gl_abandon replaces ost_gl_close once the context no longer exists.
+     * separate context and thread. All functions must then be called on this thread while the context is current. If
+     * the context no longer exists, ost_gl_abandon must be called instead of ost_gl_close.
      */
     bool current;
 } ost_gl_options;
@@ -146,7 +146,7 @@ typedef struct ost_gl_sheet {
        row */
     const uint32_t *pixels;
     int stride;
-    /* cells that may differ from the sheet that was shown last, which had the same size; NULL if any cell may differ */
+    /* cells that may differ from the previous sheet; NULL if any cell may differ */
     const ost_cells *changed;
 } ost_gl_sheet;
 

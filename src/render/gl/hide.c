@@ -45,8 +45,8 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Returns true if a cube with edges of `side` voxels is hidden, that is, if each pixel that it may cover already shows
- * something nearer to the eye. `o` is the vector from the eye to the cube's centre. splat_scalar.c derives the slopes.
+ * Returns true if a cube with edges of `side` voxels is hidden, that is, if every pixel that the cube may cover already
+ * shows a nearer voxel. `o` is the vector from the eye to the cube's centre. splat_scalar.c derives the slopes.
  */
 static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3], int side)
 {
@@ -54,8 +54,8 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
     const float half = 0.5f * (float)side + 0.01f, z = ost_eye_dot(e->forward, o),
                 nearest = z - 2 * half * l->eye.reach[2];
     /*
-     * The depth of a point is that of its voxel's centre, and the depth of a brick is that of the brick's centre. All
-     * centres lie within `centres` of the cube's centre on each axis.
+     * The depth of a point is that of its voxel's centre, and the depth of a brick is that of the brick's centre. On
+     * each axis, all these centres are at most the distance `centres` away from the cube's centre.
      */
     const float centres = 0.5f * (float)(side - (l->form == OST_GL_BRICKS ? 4 : 1));
     float square = 0, sx = 0, sy = 0;

@@ -17,14 +17,14 @@ typedef struct ost_gl_layer {
     bool mesh;
     bool smooth;                 /* true if the object's smooth mesh is drawn instead of its voxels */
     GLuint palette, palette_texture;
-    /* range of the layer's entries in the list: index of the first entry, number of entries drawn as quads, number
-       of all entries */
+    /* entries of this layer in the list. begin: index of the first entry; near: number of entries that are drawn as
+       quads; count: number of all entries */
     uint32_t begin, near, count;
     int32_t blocks;              /* number of selected blocks */
     /* true to draw the points in the list; false to draw all points of the selected blocks */
     bool listed;
-    /* factor from a squared distance to a value of the depth buffer, and an upper bound of the rounding error of
-     * this value */
+    /* depth_scale: factor that converts a squared distance to a value of the depth buffer; depth_slack: upper bound of
+     * the rounding error of this value */
     float depth_scale, depth_slack;
     int y0, y1;
 } ost_gl_layer;
@@ -45,7 +45,7 @@ struct ost_gl {
     ost_gl_store store;
     ost_gl_programs programs;
     ost_gl_targets targets;
-    GLuint eyes, vertices;  /* uniform buffer with the uniforms of all layers, and vertex array */
+    GLuint eyes, vertices;  /* eyes: buffer with the uniforms of all layers; vertices: vertex array */
     GLint eye_stride;
     GLuint list, list_texture;
     void *list_mapped;
@@ -64,7 +64,7 @@ struct ost_gl {
     GLsizei *counts;        /* owned */
     /* owned; block_capacity null pointers: each block's indices start at offset 0 of quad_indices */
     const void **offsets;
-    /* owned; for each selected block, the cells whose points are listed next; bits as in ost_gl_run.cells */
+    /* owned; for each selected block, the set of cells to draw next; bits as in ost_gl_run.cells */
     uint64_t *wanted;
     int32_t block_capacity;
     bool tests_depth;       /* true if this frame searches for hidden cells (hide.c) */

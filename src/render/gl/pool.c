@@ -109,8 +109,8 @@ static ost_status grow(ost_gl_context *c, ost_gl_pool *p, uint32_t least, ost_er
 }
 
 /*
- * Finds the first run of `count` free granules at or after granule `from`. Returns the first granule of this run, or
- * p->granules if there is no such run.
+ * Finds the first run of `count` free granules, starting the search at granule `from`. Returns the first granule of
+ * this run, or p->granules if there is no such run.
  */
 static uint32_t find(const ost_gl_pool *p, uint32_t from, uint32_t count)
 {

@@ -20,7 +20,7 @@ typedef struct ost_gl_pool {
     size_t element;      /* size of an element in bytes */
     unsigned bits;
     GLenum format;       /* format of the texture; 0 if there is no texture */
-    /* number of granules, and granule at which the next search for a free run begins */
+    /* granules: number of granules; next: granule at which the next search for a free run begins */
     uint32_t granules, next;
     uint8_t *used;       /* owned; for each granule, whether it is in use */
     GLuint buffer, texture, page_buffer, page_texture;
@@ -43,7 +43,8 @@ ost_status ost_gl_pool_take(ost_gl_context *context, ost_gl_pool *pool, uint32_t
 void ost_gl_pool_give(ost_gl_pool *pool, uint32_t first, uint32_t granules);
 void ost_gl_pool_write(const ost_gl_pool *pool, uint32_t first, const void *data, uint32_t count);
 /*
- * Stores the position of the block's first voxel, and a fourth number for the shaders, in all pages of the block's run.
+ * Stores four numbers for the shaders in all pages of a block's run: the position of the block's first voxel, and the
+ * argument `more`.
  */
 void ost_gl_pool_place(const ost_gl_pool *pool, uint32_t first, uint32_t granules, const int32_t voxel[3],
                        int32_t more);

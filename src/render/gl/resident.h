@@ -3,12 +3,13 @@
  * OpenGL's copy of a surface: the points of each block and their shades, in the forms that are drawn. The block's
  * version shows whether a copy is up to date.
  *
- *   points   where, look             a surface point (points/surface.h)
- *   bricks   place, 64 bits, first   4^3 voxels with at least one surface voxel; shades: those of
- *                                    its points, brick by brick
- *   voxels   a density               all voxels of a block, which are the vertices of the thesis
- *   quads    four vertices           the visible faces of a block (core/face_mesh.h); shades: one for each face
- *   mesh     corner, normal          a tool's faces as triangles
+ *   form     contents of an element     meaning
+ *   points   where, look                a surface point (points/surface.h)
+ *   bricks   position, 64 voxel bits,   4^3 voxels with at least one surface voxel; the shades of the
+ *            index of first shade       points are stored brick by brick
+ *   voxels   density                    all voxels of a block, which are the vertices of the thesis
+ *   quads    four vertices              the visible faces of a block (core/face_mesh.h), with one shade for each face
+ *   mesh     corner, normal             a tool's faces as triangles
  */
 #ifndef OST_RENDER_GL_RESIDENT_H
 #define OST_RENDER_GL_RESIDENT_H
@@ -22,7 +23,7 @@ typedef enum ost_gl_form { OST_GL_POINTS, OST_GL_BRICKS, OST_GL_VOXELS, OST_GL_Q
 typedef struct ost_gl_run {
     uint64_t version;
     uint32_t first, count, granules;
-    /* first element and number of granules of the run of shades; only for bricks and quads */
+    /* first element of the run of shades, and its number of granules; used only for bricks and quads */
     uint32_t shade_first, shade_granules;
     uint64_t listed;      /* value of the block's `listed` when the quads were made; only for quads */
     uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
@@ -49,10 +50,10 @@ typedef struct ost_gl_store {
     ost_gl_pool points, bricks, shades, voxels, quads;
     ost_backend *mesher;  /* borrowed; backend that makes the quads; NULL if not set */
     ost_face_mesh mesh;   /* owned; most recent meshes */
-    ost_face_cluster *clusters; /* owned; blocks to mesh, and their slots; cluster_capacity entries each */
-    int32_t *slots, cluster_capacity;
+    ost_face_cluster *clusters; /* owned; blocks to mesh; cluster_capacity entries */
+    int32_t *slots, cluster_capacity; /* owned; slots of these blocks; cluster_capacity entries */
     uint32_t meshed;      /* number of blocks meshed since the start of the frame */
-    int64_t mesh_ns, copy_ns; /* times in ns for meshing and for copying since the start of the frame */
+    int64_t mesh_ns, copy_ns; /* time in ns spent on meshing and on copying since the start of the frame */
     ost_gl_resident resident[OST_GL_RESIDENTS];
     uint64_t frame;
     uint64_t uploaded; /* number of bytes uploaded since the start of the frame */
