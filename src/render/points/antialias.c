@@ -12,11 +12,12 @@ enum { RUN = OST_ANTIALIAS_RUN, WORD = OST_CELL_WIDTH };
 _Static_assert(OST_CELL_WIDTH == 16, "a word has one bit for each pixel in a row of a cell");
 
 /*
- * Returns the weight, in 256ths, with which the neighbour across a side is mixed into a pixel. The run extends `before`
- * and `after` sides beyond this side. The weight depends only on the nearer end of the run: from there, at x = 0, to
- * the middle of the run, the slanted line (antialias.h) falls from a height of half a pixel to zero. For a pixel k
- * sides from the end, the weight is the area under the line between x = k and k + 1. The pixel in the middle of a run
- * contains the ends of two lines, each of which contributes a triangle.
+ * Returns the weight, in 256ths, with which the neighbour across a side is mixed into a pixel. The run continues for
+ * `before` sides in one direction and `after` sides in the other. The weight depends only on the nearer end of the run.
+ * Let x be the distance from this end. The slanted line (antialias.h) falls from a height of half a pixel at x = 0 to
+ * zero in the middle of the run. The weight of a pixel that is k sides away from the end is the area under the line
+ * from x = k to x = k + 1. If the middle of the run is within a pixel, two lines end there, and each of them
+ * contributes a triangle.
  */
 static uint8_t share_of(int before, int after)
 {
@@ -127,8 +128,8 @@ typedef struct edge {
     int bend_before, bend_after;
 } edge;
 
-/* Returns the weight with which the second pixel is mixed into the first or, if `of_second` is false, the first into
-   the second. */
+/* Returns the weight for mixing the two pixels of an edge: the second into the first if `of_second` is true, otherwise
+   the first into the second. */
 static uint32_t share(const ost_antialias *a, edge e, bool of_second)
 {
     const int sign = of_second ? 1 : -1;
@@ -182,8 +183,8 @@ static uint32_t mixed(uint32_t colour, uint32_t first, uint32_t share_1, uint32_
     return ((odd + 0x800080) >> 8 & 0xff00ff) | ((green + 0x8000) >> 8 & 0xff00);
 }
 
-/* Returns the smoothed colour of a pixel that differs from a neighbour. Mixes in only the two neighbours in the
-   column or only the two in the row, depending on which of the four has the greatest weight. */
+/* Returns the smoothed colour of a pixel that differs from a neighbour. Only one pair of neighbours is mixed in, either
+   the vertical or the horizontal pair: the pair with the greatest of the four weights. */
 static uint32_t smoothed(const ost_antialias *a, const uint32_t *at, int stride, int x, int y)
 {
     uint32_t above = 0, under = 0, left = 0, right = 0;

@@ -8,8 +8,8 @@
 enum { SIDE = OST_BLOCK };
 
 /*
- * Returns one bit for each of the first `count` voxels of a row, 1 if the voxel is active; `count` is at most 32. A
- * multiplication combines eight bytes that are 0 or 1 into eight bits; its partial products do not overlap.
+ * Returns a word in which bit i is 1 if voxel i of the row is active. The row has `count` voxels, at most 32. A
+ * multiplication combines eight bytes that are 0 or 1 into eight bits, because its partial products do not overlap.
  */
 static uint32_t row_word(const int16_t *voxels, int count, int16_t threshold)
 {

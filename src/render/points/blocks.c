@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Maximum distance of the eye, in voxels. Up to this distance, the squared distances of adjacent voxels near the
-   view axis differ as floats. */
+/* Maximum distance of the eye in voxels. Up to this distance, two adjacent voxels near the view axis have squared
+   distances that are different floats. */
 static const float FARTHEST = 32768.0f;
 
 ost_status ost_blocks_check(const ost_surface *surface, const ost_eye *eye, ost_error *err)
@@ -28,7 +28,7 @@ static void range(float p, float h, int count, int *from, int *to)
 }
 
 /*
- * Treats the cube as one large voxel (the slopes are derived in splat_scalar.c), and extends the range by one pixel on
+ * Treats the cube as one large voxel; splat_scalar.c derives the slopes. The range includes one additional pixel on
  * each side to allow for rounding.
  */
 bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_extent *out)

@@ -19,11 +19,11 @@ typedef struct ost_eye {
     float at[3];                           /* in voxels */
     float right[3], up[3], forward[3];     /* unit vectors, within float precision */
     float focal;                           /* pixels */
-    /* position of the forward axis in the picture, in pixels from the left and top edges: the middle of the picture,
-       except for an eye of a headset, which only OpenGL draws */
+    /* distance in pixels from the left and the top edge to the point where the forward axis passes through the picture.
+       This is the middle of the picture, except for an eye of a headset (drawn only by OpenGL) */
     float half_w, half_h;
-    /* distance of the near plane along the forward axis, in voxels; voxels are drawn only if all their corners are
-       beyond it */
+    /* distance of the near plane along the forward axis, in voxels; a voxel is drawn only if all its corners are beyond
+       this plane */
     float near;
     int width, height;
 } ost_eye;

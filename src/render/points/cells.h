@@ -34,7 +34,7 @@ void ost_cells_fill(const ost_cells *cells);
 void ost_cells_add(const ost_cells *cells, int x0, int x1, int y0, int y1);
 /* Adds the cells of another set, which must be for a picture of the same size. */
 void ost_cells_join(const ost_cells *cells, const ost_cells *other);
-/* Adds all cells within `across` columns and `down` rows of a cell of the set. */
+/* Extends the set on every side, by `across` columns and `down` rows of cells. */
 void ost_cells_grow(const ost_cells *cells, int across, int down);
 
 static inline const uint64_t *ost_cells_row(const ost_cells *cells, int row)

@@ -69,8 +69,9 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
 
 /* ----------------------------------------------------------------- changes */
 
-/* Adds the changes in one of the 27 blocks: sets the bits of the rows in which this block has a set bit within
-   `reach` of the middle block. at[] is the position of the block relative to the middle block, -1 to 1 on each axis. */
+/* Adds the changes in one of the 27 blocks. Sets the bit of each row in which this block has a changed voxel that is at
+   most `reach` voxels away from the middle block. at[] is the position of the block relative to the middle block, -1 to
+   1 on each axis. */
 static void add_changes(const uint32_t *words, const int at[3], int reach, uint64_t rows[OST_SEEN])
 {
     const uint32_t all = UINT32_MAX, seen = at[0] < 0 ? all << (SIDE - reach) : at[0] > 0 ? all >> (SIDE - reach) : all;
@@ -98,7 +99,7 @@ bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *bl
     for (int i = 0; i < 27; i++)
         if (near[i / 9][i / 3 % 3][i % 3] != nothing)
             add_changes(near[i / 9][i / 3 % 3][i % 3], (const int[]){i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}, reach, rows);
-    /* The rows have been widened by `done` so far, so a step of at most 2 done + 1 leaves no gap. */
+    /* The changes have been spread by `done` rows so far, so a step of at most 2 done + 1 rows leaves no gap. */
     for (int done = 0, step; done < reach; done += step) {
         uint64_t was[OST_SEEN];
         step = reach - done < 2 * done + 1 ? reach - done : 2 * done + 1;

@@ -5,7 +5,7 @@
 
 #include "render/points/rows.h"
 
-/* Returns the block at the given position, in blocks. Returns NULL if the position is outside the grid, or if the
+/* Returns the block at a position given in units of blocks. Returns NULL if the position is outside the grid, or if the
    block has never contained an active voxel. */
 ost_surface_block *ost_surface_block_at(const ost_surface *surface, int32_t x, int32_t y, int32_t z);
 
@@ -21,9 +21,9 @@ bool ost_surface_rows(const ost_surface *surface, const ost_surface_block *block
                       const ost_row_kernels *kernels, ost_rows *out);
 
 /*
- * Finds the rows within `reach` voxels, along each axis, of a changed voxel. Bit y of word z represents row (y, z),
- * where both are counted from -OST_SHADING_REACH. Only the results for the block's own rows are complete. Returns false
- * if nothing has changed in the block and its neighbours.
+ * Finds the rows that have a voxel at most `reach` voxels away, along each axis, from a changed voxel. Bit y of word z
+ * represents row (y, z); y and z are counted from -OST_SHADING_REACH. The results are complete only for the block's own
+ * rows. Returns false if nothing has changed in the block and its neighbours.
  */
 bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *block, int reach,
                          uint64_t rows[OST_SEEN]);

@@ -226,10 +226,10 @@ static void find_cells(ost_frame_layer *layer)
 
 /*
  * Returns true if a ray may enter a voxel through a face that is not exposed. This is possible only if the ray begins
- * inside a voxel, or passes through a voxel that is not drawn because of the near plane. Along the forward axis, the
- * centre of such a voxel is at most `near` + sqrt(3) from the eye, and its corners at most `near` + 2 sqrt(3). Along a
- * ray, the distance is up to c times greater, where 1 / c is the cosine of the angle between the forward axis and the
- * ray to the frame's corner.
+ * inside a voxel, or passes through a voxel that the near plane excludes. Measured along the forward axis, the centre
+ * of an excluded voxel is at most near + sqrt(3) from the eye, and its corners at most near + 2 sqrt(3). Measured along
+ * a ray, these distances are greater by at most the factor c. The ray to a corner of the frame has the greatest factor:
+ * its angle to the forward axis has the cosine 1 / c.
  */
 static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
@@ -334,7 +334,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
             ost_frame_draw_band(frame, i, base);
     }
     if (frame->antialias.below) {
-        /* cells that were drawn or restored in this frame, or drawn over in the previous frame */
+        /* smooths the cells that were drawn or restored in this frame or drawn over in the previous one, and their
+         * surroundings */
         ost_cells_clear(&frame->smoothed);
         ost_cells_join(&frame->smoothed, &frame->stale);
         ost_cells_join(&frame->smoothed, &frame->over);

@@ -4,9 +4,9 @@
  *
  *   blocks --frustum, order--> near ones first --facing, tint--> a list --bands of rows, by threads--> planes
  *
- * Each further object, such as a tool with differently oriented voxels, is drawn in the same way into separate planes
- * of the band, which are then merged so that each pixel shows the nearest object. A tool whose mesh is known is instead
- * drawn as a smooth mesh (triangles.h) after all voxels.
+ * Each further object, such as a tool, is drawn in the same way, but into separate planes of the band. The planes are
+ * then merged, so that each pixel shows the nearest object. A tool whose mesh is known is drawn as a smooth mesh
+ * instead (triangles.h), after all voxels.
  *
  * A block is skipped if nearer blocks already cover all pixels that it could cover. For this test, the farthest key of
  * each tile of 8 x 8 pixels is cached, and recomputed only when it is needed and the tile has changed. Skipping blocks
@@ -41,7 +41,7 @@
 #include "render/points/triangles.h"
 
 enum {
-    /* number of rows that a thread draws at a time; at 1280 pixels per row, their keys fit into a second-level cache */
+    /* number of rows that a thread draws at a time. The keys of 64 rows of 1280 pixels fit into a second-level cache */
     OST_BAND = 64,
 };
 
@@ -54,7 +54,7 @@ typedef struct ost_frame_tile {
 _Static_assert(OST_BAND % OST_CELL_HEIGHT == 0 && (int)OST_CELL_HEIGHT == OST_TILE && (int)OST_CELL_WIDTH == OST_LANES,
                "cells are whole tiles");
 
-/* Per-thread scratch for drawing a band; small enough to stay in a cache between bands and layers. */
+/* Scratch of one thread for drawing a band. It is small enough to stay in a cache between bands and layers. */
 typedef struct ost_frame_bench {
     /* owned; planes for the current layer; for the first layer, only the keys are used */
     ost_planes over;
@@ -65,7 +65,7 @@ typedef struct ost_frame_bench {
 /* The list of the points of one block that face the layer's eye. */
 typedef struct ost_frame_list {
     uint64_t version;       /* version of the block from which the list was computed */
-    /* number of entries, and number of entries for which memory is reserved */
+    /* count: number of entries; capacity: number of entries for which memory is reserved */
     uint32_t count, capacity;
     /* index of the memory reserved for the next list of the block; the current list begins at visible.begin */
     uint32_t visible_first;
@@ -78,18 +78,18 @@ typedef struct ost_frame_list {
 /* An object to draw, and the lists of its blocks. */
 typedef struct ost_frame_layer {
     const ost_surface *surface; /* surface to draw; borrowed while a frame is drawn */
-    ost_frame_block *blocks; /* owned; blocks in view; the first `count` entries are valid after culling */
+    ost_frame_block *blocks; /* owned; blocks in view; `count` entries after culling */
     int32_t count;
     ost_visible visible;    /* the lists */
     size_t visible_capacity, visible_used;
     ost_frame_list *list;   /* owned; state of the list of each slot's block */
-    /* number of slots in the last frame, and capacity of the arrays indexed by slot */
+    /* slots: number of slots in the last frame; slot_capacity: capacity of the arrays that are indexed by slot */
     int32_t slots, slot_capacity;
     float *bases;           /* owned; for each slot, the vector from the eye to the block's first voxel, in 4 floats */
     ost_splat_eye eye;
     ost_light light;
     float scale;            /* edge length of this layer's voxels, in voxels of the first object */
-    /* true if the eye is inside the object, or so close to it that faces between two active voxels may be visible */
+    /* true if the eye is inside the object or very close to it; faces between two active voxels may then be visible */
     bool within;
     /* true if frames are stored and the eye and the light are the same as in the previous frame */
     bool same;
@@ -164,12 +164,12 @@ ost_status ost_frame_store(ost_frame *frame, ost_error *err);
  * they have edges everywhere. Must be called before the first frame is drawn.
  */
 ost_status ost_frame_antialias(ost_frame *frame, ost_isa isa, ost_error *err);
-/* Must be called after another renderer has overwritten all pixels of frame->drawn. The next frame then reuses
-   nothing. Smooths the edges if antialiasing is enabled. */
+/* Must be called after another renderer has overwritten all pixels of frame->drawn. Smooths the edges if antialiasing
+   is enabled. No pixel of this frame is reused in the next frame. */
 void ost_frame_overwritten(ost_frame *frame);
 /*
- * Adds to `cells` the cells in which the frame may differ from the previous frame. These include the cells in which the
- * sheet of the frame was drawn on.
+ * Adds to `cells` all cells in which the frame may differ from the previous frame. Pixels that were drawn through the
+ * frame's sheet are taken into account.
  */
 void ost_frame_changed(const ost_frame *frame, const ost_cells *cells);
 /* Returns the frame's colours as a sheet to draw on. */
@@ -181,9 +181,9 @@ ost_sheet ost_frame_sheet(const ost_frame *frame);
  */
 ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things, int count, ost_error *err);
 /*
- * Blends one more object over a frame, which any renderer may have drawn. The object's weight is `share` / 256 where it
- * is in front of other objects, and half of that elsewhere. Only colours change. `spacing` is the voxel spacing of the
- * first object, which is the unit of depth.
+ * Blends one more object over a frame, which any renderer may have drawn. The opacity of the object is share / 256
+ * where it is in front of the other objects, and half of that elsewhere. Only colours change. `spacing` is the voxel
+ * spacing of the first object, which is the unit of depth.
  */
 ost_status ost_frame_draw_ghost(ost_frame *frame, const ost_frame_thing *thing, unsigned share, ost_pm spacing,
                                 ost_error *err);

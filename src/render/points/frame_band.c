@@ -55,10 +55,13 @@ static void drawn(const ost_frame *f, const band *at, tile_range r)
 /* One row of cells in a band. */
 typedef struct cell_row {
     uint64_t bit[OST_CELL_WORDS];
-    int words, y0, y1; /* pixel rows y0 <= y < y1 that the row of cells contains */
+    int words, y0, y1; /* the row of cells contains the pixel rows y0 <= y < y1 */
 } cell_row;
 
-/* Returns the cells of a row that are in both `a` and `b` or, if `without` is true, in `a` but not in `b`. */
+/*
+ * Returns a row of cells: those that are in both sets a and b or, if `without` is true, those that are in a but not in
+ * b.
+ */
 static cell_row row_of(const ost_cells *a, const ost_cells *b, bool without, const band *at, int y)
 {
     const uint64_t *x = ost_cells_row(a, y / OST_CELL_HEIGHT), *z = ost_cells_row(b, y / OST_CELL_HEIGHT);
@@ -80,8 +83,8 @@ static bool next_run(const cell_row *row, int *from, int *to)
 }
 
 /*
- * Clears the keys in the cells to be redrawn, and marks the tiles outside these cells as completely covered. Returns
- * the extent to draw.
+ * Clears the keys in the cells to be redrawn. Marks the tiles outside these cells as completely covered, so that blocks
+ * there are skipped. Returns the extent to draw.
  */
 static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
                         const ost_planes *planes)
@@ -106,7 +109,7 @@ static ost_extent begin(const ost_frame *f, const ost_frame_layer *layer, const 
     return e;
 }
 
-/* Draws the part of a layer that lies in `part`. */
+/* Draws a layer in the cells of the set `part`. */
 static void draw_layer(const ost_frame *f, const ost_frame_layer *layer, const ost_cells *part, const band *at,
                        const ost_planes *planes)
 {
@@ -173,7 +176,7 @@ static bool is_there(const ost_frame *f, const ost_frame_layer *layer, int x, in
     return ost_cells_has(&layer->cells, x, y) && f->ghost.face[ost_row(&f->ghost, y) + (size_t)x] != OST_NO_FACE;
 }
 
-/* Blends a ghost with its outline into the columns `first` to `end` - 1 of row y. Only colours change. */
+/* Blends a ghost with its outline into the pixels first <= x < end of row y. Only colours change. */
 static void merge_ghost(const ost_frame *f, const ost_frame_layer *layer, unsigned ghost, int y, int first, int end)
 {
     enum { LINE = 100 };

@@ -49,17 +49,17 @@ void ost_layer_make_lists(const ost_frame *frame, const ost_frame_layer *layer);
 void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
  * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the cells that must be
- * copied from the stored planes. Returns the planes to draw into. The stored planes are filled only in the second of
- * two consecutive frames with the same eye and light, so they cost no time while the eye moves. If the frame has keys,
- * all cells are drawn, because a key contains the index of a voxel in its list, and a changed list may shift the
- * indices of unchanged voxels.
+ * copied from the stored planes. Returns the planes to draw into. The stored planes are filled only if the eye and the
+ * light are the same as in the previous frame, so they cost no time while the eye moves. If the frame has keys, all
+ * cells are drawn: a key contains the index of a voxel in its list, and a changed list may shift the indices of
+ * unchanged voxels.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 
 /* ---- frame_band.c */
 
-/* Draws a band of all layers. `base` contains the planes into which only the first layer is drawn; if frames are not
- * stored, `base` is &f->drawn. */
+/* Draws a band of all layers. Only the first layer is drawn into the planes `base`. If frames are not stored, `base` is
+ * &f->drawn. */
 void ost_frame_draw_band(const ost_frame *f, int number, const ost_planes *base);
 /* Draws a band of one layer into the ghost's planes. */
 void ost_frame_draw_ghost_band(const ost_frame *f, const ost_frame_layer *layer, int number);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the colours of voxels with a table of brightness for all surface normals, which is computed once per frame.
+ * Computes the colours of voxels from a table, which contains the brightness for each surface normal and is computed
+ * once per frame.
  *
  *   look --normal--> brightness, gloss        tint = paint * brightness * openness + gloss
  *        --paint---> colour; for flat paints this is the tint
@@ -45,12 +46,12 @@ typedef struct ost_light {
     bool made;
 } ost_light;
 
-/* Unit vectors toward the lights. `half` is halfway between the directions toward the key light and the eye. */
+/* Unit vectors toward the lights. The vector `half` points halfway between the key light and the eye. */
 typedef struct ost_lamps {
     float key[3], fill[3], half[3], back[3], up[3];
 } ost_lamps;
 
-/* Contributions of the lights to the brightness of a surface; maximum brightness in 256ths. */
+/* Contributions of the lights to the brightness of a surface. OST_LIGHT_MOST is the maximum brightness in 256ths. */
 #define OST_LIGHT_AMBIENT 0.20f
 #define OST_LIGHT_SKY 0.17f
 #define OST_LIGHT_KEY 0.74f
@@ -66,8 +67,8 @@ typedef void ost_light_shade_of(uint16_t *shade, const struct ost_directions *di
                                 float gloss);
 
 /*
- * The unit vectors of all octahedral cells, and the function that computes the shades for all of them. The default is
- * the function in light.c; it can be replaced with the result of ost_light_shade_for.
+ * The unit vectors of all octahedral cells, and the function that computes the shades of all cells. ost_directions_make
+ * sets the portable function; a caller can replace it with the result of ost_light_shade_for.
  */
 typedef struct ost_directions {
     float x[OST_OCTAHEDRAL_COUNT], y[OST_OCTAHEDRAL_COUNT], z[OST_OCTAHEDRAL_COUNT];

@@ -19,7 +19,7 @@ typedef enum ost_colouring {
     OST_COLOUR_DEPTH,
     OST_COLOUR_DENSITY,
     OST_COLOUR_COUNT, /* number of values that a user can select */
-    /* colours by label; the uncut bone contains OST_LABEL_DENSITY + label in place of densities */
+    /* colours by label; the voxels of the uncut bone then contain OST_LABEL_DENSITY + label instead of densities */
     OST_COLOUR_LABEL = OST_COLOUR_COUNT
 } ost_colouring;
 
@@ -56,8 +56,7 @@ uint32_t ost_label_colour(int label);
 /* Densities, in HU, that the CT window shows as black and as white; also the ends of the density scale. */
 enum { OST_WINDOW_BLACK = -100, OST_WINDOW_WHITE = 1300 };
 
-/* ost_scale_colour returns the colour of a step of the scale, and ost_window_grey that of a step of the grey window.
-   Steps are 0 to 126. */
+/* ost_scale_colour returns a colour of the scale, and ost_window_grey a grey of the CT window. Steps are 0 to 126. */
 uint32_t ost_scale_colour(int step);
 uint32_t ost_window_grey(int step);
 /* Returns the step, 0 .. 126, for a density in HU. */

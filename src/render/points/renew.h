@@ -9,12 +9,12 @@
 /* Selects the loops for an instruction set. Defaults to the best one that OSTEON_ISA allows. */
 ost_status ost_surface_use(ost_surface *surface, ost_isa isa, ost_error *err);
 
-/* Recomputes the cells of each block whose cells may have changed. Must precede the first call of
-   ost_surface_renew, which reads the cells of neighbouring blocks. */
+/* Recomputes all cells that may have changed, in all blocks. Must be called before ost_surface_renew,
+   which reads the cells of neighbouring blocks. */
 ost_status ost_surface_measure_all(ost_surface *surface, ost_error *err);
 
-/* Updates a block that is marked as dirty. Leaves the block's record of changes in place, because the updates of its
-   neighbours read it. */
+/* Updates a block that is marked as dirty. The block's record of changes is kept, because the updates of neighbouring
+   blocks read it. */
 ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err);
 
 #endif

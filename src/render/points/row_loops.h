@@ -16,8 +16,9 @@ static inline void join_rows(const uint32_t *restrict left, const uint32_t *rest
 }
 
 /*
- * Returns the distance of the next shift when bits are spread over `reach` by OR with shifted copies. The bits are
- * spread by `covered` so far, so a shift by at most 2 covered + 1 leaves no gap between the copies.
+ * Returns the next shift when bits are spread to the distance `reach` in steps. In each step, a word is combined by OR
+ * with shifted copies of itself. The bits are already spread to the distance `covered`, so a shift by at most 2 covered
+ * + 1 leaves no gap between the copies.
  */
 static inline int next_step(int covered, int reach)
 {
@@ -73,7 +74,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* For each of the six faces, computes the voxels of a row whose neighbour at this face is set. */
+/* Computes out[f], the voxels of a row whose neighbour at face f is set. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const int row = y + OST_BLOCK * z;

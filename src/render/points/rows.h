@@ -14,7 +14,7 @@
 #include "render/points/surface.h"
 
 enum {
-    /* number of rows along y, and of slices along z, on which the shades of a block may depend */
+    /* number of rows along y on which the shades of a block may depend; the same number of slices along z */
     OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH,
     OST_RIM = OST_BLOCK + 2,
     /* number of words that a kernel may overwrite after the last point */
@@ -44,11 +44,11 @@ typedef struct ost_faces {
 typedef struct ost_row_kernels {
     /* Computes out[i]: bits 16 .. 31 of left[i], then all bits of own[i], then bits 0 .. 15 of right[i]. */
     void (*join)(const uint32_t *left, const uint32_t *own, const uint32_t *right, uint64_t *out, int count);
-    /* Sets all voxels within `reach`, along each axis, of a set voxel. `other` is scratch. Afterwards, the outermost
-       `reach` rows, slices and bits are undefined. */
+    /* Sets all voxels that are at most `reach` voxels away, along each axis, from a set voxel. Uses `other` as scratch.
+       Afterwards, the outermost `reach` rows, slices and bits are undefined. */
     void (*spread)(ost_rows *rows, ost_rows *other, int reach);
     void (*faces)(const ost_rim *rim, ost_faces *out);
-    /* For each row, finds the voxels with an exposed face whose neighbour across this face is set in `rim`. */
+    /* For each row, finds the voxels that have an exposed face at which the neighbour is set in `rim`. */
     void (*behind)(const ost_rim *rim, const ost_faces *faces, uint32_t out[OST_BLOCK_ROWS]);
     /* Writes the points in ascending order of rows. There are faces->begin[OST_BLOCK_ROWS] points. */
     void (*points)(const ost_faces *faces, uint32_t *points);

@@ -13,7 +13,8 @@
  * voxels, from -5 to 20, and then interpolated to voxels with the weights 3 : 1 (smooth.c). A block keeps its cells for
  * the shading of its neighbours.
  *
- *    reach in voxels: 1 for the slope, 2 for the interpolation between cells, 8 for four cells of the sum
+ * The wide field at a point depends on voxels at most 11 voxels away: 1 for the slope, 2 for the interpolation between
+ * cells, and 8 for the sum, which reaches over four cells.
  *
  * Without a CT, a voxel contains either 0 % or 100 % bone. With a CT, a bone voxel contains 25 % to 100 % bone,
  * depending on its density, because a border voxel that is half filled with bone has half the density. Within three
@@ -74,8 +75,8 @@ static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_
 }
 
 /*
- * Computes the amounts of bone in the rows `first` to `last` of slice z, counted from -REACH. Densities are read only
- * where they are needed, because their rows are far apart in memory.
+ * Computes the amounts of bone in slice z, from row `first` to row `last`; slices and rows are counted from -REACH.
+ * Densities are read only where they are needed, because their rows are far apart in memory.
  */
 static void measure(const ost_surface *s, const ost_surface_block *b, ost_shading_scratch *k, bool cut, int z,
                     int first, int last, uint16_t (*out)[LINE])
@@ -146,8 +147,8 @@ static void find_cells(const ost_surface *s, const ost_surface_block *b, cells_a
     }
 }
 
-/* Finds the rows of cells from which the needed rows of the wide field are interpolated: the two nearest ones, on
-   each axis, for each needed row. */
+/* Finds the rows of cells from which the needed rows of the wide field are interpolated. On each axis, a row of the
+   field needs the two nearest rows of cells. */
 static void find_needed_cells(const uint64_t needed[INNER], uint64_t cells[INNER])
 {
     memset(cells, 0, INNER * sizeof *cells);
@@ -173,8 +174,8 @@ static void find_needed(const uint32_t stale[SIDE], uint64_t needed[INNER])
 }
 
 /*
- * Finds the first and the last sum along y that slice z of the bone must provide for the field. Slices and rows of the
- * bone are counted from -REACH; sum i covers the nine rows from row i on.
+ * Finds the first and the last sum along y that are needed in slice z of the bone. Sum i covers the nine rows from row
+ * i on. Slices and rows of the bone are counted from -REACH.
  */
 static void rows_needed(int z, const uint64_t needed[INNER], int *first, int *last)
 {
@@ -215,8 +216,9 @@ static void add_cells(cells_about about, ost_shading_scratch *k, int z, const ui
 }
 
 /*
- * Computes slice z of the wide field. *made is the number of slices of cells that have been processed, and *smoothed is
- * the number of slices of their smoothed field. Slices that are not needed are skipped, and are counted as well.
+ * Computes slice z of the wide field. *made is the number of slices of cells whose sums along y have been computed, and
+ * *smoothed is the number of completely smoothed slices of cells. Both numbers include slices that were skipped because
+ * they are not needed.
  */
 static void widen(cells_about about, ost_shading_scratch *k, int z, const uint64_t needed[INNER],
                   const uint64_t cells[INNER], int *made, int *smoothed)
@@ -254,8 +256,8 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
     uint64_t needed[INNER], cells[INNER];
     cells_about about;
     /*
-     * numbers of slices that have been computed or skipped so far: slices of the bone's sums, of the cells, and of the
-     * field of cells
+     * made: number of slices of sums along y that have been computed or skipped so far. The other two variables are
+     * described at widen()
      */
     int made = 0, cells_made = 0, cells_smoothed = 0;
     ost_surface_rows(s, b, occupied_of, &k->rows, &k->occupied);
@@ -280,7 +282,7 @@ static void shade_points(const ost_surface *s, const ost_surface_block *b, const
 
 /* ------------------------------------------------------------------- paint */
 
-/* Finds the voxels with an exposed face at which the neighbour is in the set that `which` returns. */
+/* Finds the voxels that have an exposed face at which the neighbour is in a set of bits. `which` selects the set. */
 static bool find_beyond(const ost_surface *s, const ost_surface_block *b, ost_words_of *which, ost_shading_scratch *k,
                         uint32_t out[OST_BLOCK_ROWS])
 {
@@ -317,8 +319,8 @@ void ost_surface_find_marked(const ost_surface *s, const ost_surface_block *b, o
             k->contact[row] &= ~k->cap[row];
 }
 
-/* Computes k->bared, the voxels exposed by a tool. Also computes the depths of the block if a removed voxel is
-   adjacent to one of its points. */
+/* Computes k->bared, the voxels exposed by a tool. If a removed voxel is adjacent to a point of the block, also
+   computes the depths of the block. */
 static ost_status find_bared(ost_surface *s, ost_surface_block *b, ost_shading_scratch *k, ost_error *err)
 {
     if (!s->reference || s->colouring == OST_COLOUR_BONE) {

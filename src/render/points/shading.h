@@ -23,13 +23,13 @@ typedef struct ost_shading_scratch {
     ost_faces faces;             /* exposed faces of the block's shown voxels */
     uint32_t stale[OST_BLOCK];   /* rows whose shades must be computed; row (y, z) is bit y of stale[z] */
     uint32_t points[OST_BLOCK_POINTS + OST_POINT_SLACK], shades[OST_BLOCK_POINTS + OST_SHADING_SLACK];
-    /* voxels exposed by the clip plane (`cap`) or by a tool (`bared`), and voxels next to which bone was just
-       removed (`contact`) */
+    /* sets of voxels. cap: exposed by the clip plane; bared: exposed by a tool; contact: next to a voxel that was just
+       removed */
     uint32_t cap[OST_BLOCK_ROWS], bared[OST_BLOCK_ROWS], contact[OST_BLOCK_ROWS];
     ost_rim rim;
-    /* active voxels (`occupied`) and voxels near removed voxels (`near`); `other` is scratch */
+    /* occupied: active voxels; near: voxels near removed voxels; other: scratch */
     ost_rows occupied, near, other;
-    /* scratch for one slice with the neighbours' voxels, or for two slices without them */
+    /* scratch for the amounts of bone in one slice, including the voxels of neighbouring blocks */
     uint16_t bone[OST_FIELD_BONE + 2][OST_FIELD_LINE];
     /* ring buffers of slices: slice z is stored in y[z % 9] and field[z % 3] */
     ost_field_slice y[9], field[3];
@@ -37,11 +37,11 @@ typedef struct ost_shading_scratch {
     ost_field_slice cells_y[9], cells_field[3], wide[3];
 } ost_shading_scratch;
 
-/* Recomputes the block's cells near changed voxels. Must have been called for all blocks before any block is shaded. */
+/* Recomputes the block's cells near changed voxels. Must be called for all blocks before the first one is shaded. */
 void ost_surface_measure(const ost_surface *surface, ost_surface_block *block, ost_shading_scratch *scratch);
 
-/* Computes the shades of all points in stale rows into the scratch, which must already contain the faces of the
-   block. */
+/* Computes the shades of all points in stale rows, and stores them in the scratch. The scratch must already contain the
+   faces of the block. */
 ost_status ost_surface_shade(ost_surface *surface, ost_surface_block *block, const uint32_t *points,
                              ost_shading_scratch *scratch, ost_error *err);
 /* Computes scratch->cap and scratch->contact for all rows of the block. */

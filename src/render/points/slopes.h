@@ -7,9 +7,10 @@
  *   (1 - t) fine / |fine| + t wide / |wide| --> normal
  *   openness from the fine value, openness from both values --mixed with the share t--> openness
  *
- * The value of a field depends on both a voxel's distance from the smooth surface and its openness. Let f be the value
- * of the fine field and w that of the wide field. Across a plane, w rises half as fast as f, so 2 w - f is independent
- * of the voxel's distance: it is half of the maximum on a plane, less on an edge, and more in a hollow.
+ * The value of a field at a voxel depends on two quantities: the openness of the voxel, and its distance from the
+ * smooth surface. Let f be the value of the fine field and w that of the wide field. Across a plane, w rises half as
+ * fast as f, so 2 w - f is independent of the voxel's distance: it is half of the maximum on a plane, less on an edge,
+ * and more in a hollow.
  */
 #ifndef OST_RENDER_SLOPES_H
 #define OST_RENDER_SLOPES_H
@@ -18,21 +19,22 @@
 #include "render/points/smooth.h"
 
 enum {
-    /* bit of a row word at which a line begins: bit 0 is x = -16, and a line begins at x = -8 */
+    /* bit at which a line begins in the word of a row: bit 0 is x = -16, and a line begins at x = -8 */
     OST_LINE_SHIFT = 8,
-    /* index in a line of the first of the nine voxels that are summed for the first entry of a field row: the voxel is
-     * at x = -5, and the entry is at x = -1 */
+    /* index in a line at which the first sum begins. The first entry of a field row is at x = -1, so its sum of nine
+     * voxels begins at x = -5 */
     OST_LINE_SKIP = 3,
     OST_SLOPES = 16,
-    /* openness of a plane, minimum openness, and rates at which openness falls in a pit and rises on an edge */
+    /* PLANE: openness of a plane; LEAST: minimum openness; PIT, EDGE: rates at which openness falls in a pit and rises
+     * on an edge */
     OST_OPEN_PLANE = 225, OST_OPEN_LEAST = 40, OST_OPEN_PIT = 470, OST_OPEN_EDGE = 120,
     OST_WIDE_PART = 4,   /* divisor of the wide field's values */
     OST_WIDE_LEAST = 120, /* a wide slope below this length is ignored */
     OST_WIDE_PLANE = OST_FIELD_FULL / 10, /* OST_FIELD_FLAT minus half of OST_FIELD_FULL */
 };
 /*
- * Let c be the cosine of the angle between the fine and the wide slope. The weight of the wide slope is 0 up to c =
- * OST_AGREE_LEAST, then rises linearly with steepness OST_AGREE_STEEP, and is at most 1.
+ * Let c be the cosine of the angle between the fine and the wide slope. The weight of the wide slope is 0 for c <=
+ * OST_AGREE_LEAST. Above this value, it rises linearly with the steepness OST_AGREE_STEEP, up to 1.
  */
 static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 
@@ -44,7 +46,10 @@ static inline int ost_openness(int field)
     return open < OST_OPEN_LEAST ? OST_OPEN_LEAST : open > 255 ? 255 : open;
 }
 
-/* Data of up to OST_SLOPES points: fine and wide slope along each axis, values of the two fields, and exposed faces. */
+/*
+ * Data of up to OST_SLOPES points: slopes of the fine and of the wide field along each axis, values of both fields, and
+ * exposed faces.
+ */
 typedef struct ost_slopes {
     int32_t fine[3][OST_SLOPES], wide[3][OST_SLOPES], value[2][OST_SLOPES], faces[OST_SLOPES];
 } ost_slopes;
@@ -68,8 +73,8 @@ static inline void ost_slope_at(uint32_t point, const ost_field_slice *const fin
     out->faces[i] = (int32_t)(point >> OST_FACES_SHIFT);
 }
 
-/* Adds the contribution of the exposed faces to a slope, which would otherwise be zero in the middle of a plate that
-   is one voxel thick. */
+/* Adds the contribution of the exposed faces to a slope. Without it, the slope would be zero in the middle of a plate
+   that is one voxel thick. */
 static inline int32_t ost_slope_with_faces(int32_t slope, int32_t faces, int axis)
 {
     return slope + OST_FIELD_BY_FACES * ((faces >> (2 * axis + 1) & 1) - (faces >> (2 * axis) & 1));

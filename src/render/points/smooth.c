@@ -63,8 +63,8 @@ static inline uint16_t between(uint16_t near, uint16_t far)
 }
 
 /*
- * Position 2m of a field lies a quarter of the way from cell m to cell m + 1, and position 2m + 1 lies three quarters
- * of the way. Positions and cells are counted from -1, like all rows of a field.
+ * On each axis, position 2m of a field lies at 1/4 of the way from cell m to cell m + 1, and position 2m + 1 lies at
+ * 3/4. Positions and cells are counted from -1, like all rows of a field.
  */
 void ost_field_finer_scalar(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out)
 {

@@ -22,10 +22,10 @@
 #include "render/points/surface.h"
 
 enum {
-    /* reach, in voxels, of the field's gradient: 4 for the sum and 1 for the gradient */
+    /* distance, in voxels, up to which voxels affect the field's gradient: 4 for the sum and 1 for the gradient */
     OST_FIELD_REACH = 5,
-    OST_WIDE_REACH = 11,   /* reach, in voxels, of the wide field's gradient */
-    /* distance from a cut, in voxels, up to which bone voxels count as 100 % bone, whatever their density */
+    OST_WIDE_REACH = 11,   /* the same distance for the wide field's gradient */
+    /* bone voxels at most this number of voxels away from a cut count as 100 % bone, regardless of their density */
     OST_NEAR_REACH = 3,
     OST_FIELD_LINE = 48,   /* number of voxels in a line, which begins at x = -8 */
     /* number of slices of bone, and of rows in each slice */
@@ -52,17 +52,18 @@ typedef struct ost_smooth_kernels {
     void (*densities)(uint64_t row, uint64_t near, const int16_t density[OST_FIELD_LINE], uint16_t out[OST_FIELD_LINE]);
     /* Computes sums along y for `count` rows i: out[i] = 1 * in[i] + 2 * in[i + 1] + ... + 1 * in[i + 8]. */
     void (*down)(const uint16_t (*in)[OST_FIELD_LINE], uint16_t (*out)[OST_FIELD_LINE], int count);
-    /* Computes sums along z and x for the rows whose bit in `rows` is set. Entry i of a row is the sum at x = i - 1.
-       Entries from OST_FIELD_ROWS on are undefined. */
+    /* Computes sums along z and then along x, for the rows whose bit in `rows` is set. Entry i of a row is the sum at x
+       = i - 1. Entries from OST_FIELD_ROWS on are undefined. */
     void (*slice)(const ost_field_slice *const y[9], uint64_t rows, ost_field_slice *out);
     /* Computes a row of cells from four rows of voxels: two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Converts `count` rows of cells of three adjacent blocks to lines, which begin at x = -8 like lines of voxels. */
+    /* Joins the rows of cells of three adjacent blocks to lines. The lines begin at x = -8, as lines of voxels do.
+     * `count` is the number of lines. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);
-    /* Interpolates a slice between two slices of cells, for the rows whose bit in `rows` is set; at least one bit must
-     * be set. The slice is nearer to the second slice of cells if `odd` is true, otherwise nearer to the first. */
+    /* Interpolates between two slices of cells. The result is nearer to the second slice if `odd` is true, otherwise
+     * nearer to the first. Only the rows whose bit in `rows` is set are computed; at least one bit must be set. */
     void (*finer)(const ost_field_slice *const cells[2], bool odd, uint64_t rows, ost_field_slice *out);
     /* Computes the shades of the points of one slice. fine[1] and wide[1] are the fields in this slice. */
     void (*shades)(const uint32_t *points, int count, const ost_field_slice *const fine[3],

@@ -20,11 +20,11 @@ typedef struct part {
     const ost_mesh *mesh;
     double (*normal)[3]; /* owned; unit normals; 0 for a triangle without area */
     double *area;        /* owned; twice the area of each triangle */
-    /* owned; number of each vertex's position; vertices at the same position share a number */
+    /* owned; for each vertex, the number of its position; vertices at the same position have the same number */
     uint32_t *place;
     uint32_t *first;     /* owned; the triangles at position p are meets[first[p]] to meets[first[p + 1] - 1] */
     uint32_t *meets;     /* owned */
-    uint32_t *number;    /* owned; for each position, its number in the surface, or UNUSED */
+    uint32_t *number;    /* owned; for each position, its index in the smooth mesh, or UNUSED */
 } part;
 
 static void part_free(part *p)
@@ -79,7 +79,7 @@ static void list_meetings(part *p)
     for (size_t t = m->triangle_count; t-- > 0;)
         for (int c = 0; c < 3; c++)
             p->meets[--p->first[p->place[m->triangles[t][c]] + 1]] = (uint32_t)t;
-    /* Now first[p + 1] is the beginning of the list of position p. */
+    /* The list of position p now begins at first[p + 1]; it must begin at first[p]. */
     memmove(p->first, p->first + 1, m->vertex_count * sizeof *p->first);
     p->first[m->vertex_count] = (uint32_t)(3 * m->triangle_count);
 }
@@ -144,7 +144,7 @@ static void corner_normal(const part *p, size_t triangle, uint32_t vertex, float
         out[a] = (float)sum[a];
 }
 
-/* Returns the number, in the surface, of a vertex's position. Appends the position on first use. */
+/* Returns the index of a vertex's position in the smooth mesh. Appends the position on first use. */
 static uint32_t position_of(const part *p, uint32_t vertex, const ost_tool_geometry *grid, ost_smooth_mesh *out)
 {
     const ost_pm3 *v = &p->mesh->vertices[vertex];
@@ -191,7 +191,10 @@ static uint64_t hash_of(const ost_smooth_mesh *mesh)
     return h;
 }
 
-/* Sets *closed to false if the mesh has open edges or a negative volume, because its inner side may then be visible. */
+/*
+ * Sets *closed to false if the mesh has open edges or a negative volume. The inner side of the mesh may then be
+ * visible.
+ */
 static ost_status check_closed(const ost_mesh *mesh, bool *closed, ost_error *err)
 {
     size_t open = 0;

@@ -32,13 +32,13 @@ _Static_assert(sizeof(ost_smooth_triangle) == 72, "18 floats without padding");
 typedef struct ost_smooth_mesh {
     ost_smooth_triangle *triangle; /* owned */
     size_t count;
-    /* owned; distinct positions of the corners, and the three position indices of each triangle, so that each
-       position is projected only once */
+    /* position: distinct positions of the corners, so that each position is projected only once; place: for each
+       triangle, the indices of its three positions. Both are owned */
     float (*position)[3];
     size_t positions;
     uint32_t (*place)[3];
     bool closed; /* true if an eye outside the mesh cannot see the back of any triangle */
-    uint64_t hash; /* hash of the triangles, by which a renderer recognizes a mesh that is already uploaded */
+    uint64_t hash; /* hash of the triangles; identifies a mesh that a renderer has already uploaded */
 } ost_smooth_mesh;
 
 /*

@@ -31,8 +31,7 @@
 #include "render/points/camera.h"
 #include "render/points/surface.h"
 
-/* Value of every byte of the key of a pixel without a voxel. Such a key, read as a distance, is greater than all
-   others. */
+/* Every byte of an empty pixel's key has this value. The distance in such a key is greater than all others. */
 #define OST_EMPTY_BYTE 0x7f
 #define OST_NO_DISTANCE UINT32_C(0x7f7f7f7f)
 enum { OST_NO_FACE = 6, OST_LOCAL_BITS = 15, OST_LANES = 16, OST_TILE = 8, OST_SEVERAL = 3 };
@@ -65,13 +64,17 @@ static inline uint64_t *ost_key_row(const ost_planes *planes, int y)
 /* Values that are constant during a frame, computed by ost_splat_prepare. */
 typedef struct ost_splat_eye {
     ost_eye eye;
-    /* focal * forward, right, up; the ray of pixel (u, v) is axis[0] + u * axis[1] + v * axis[2] */
+    /* axis[0]: focal * forward; axis[1]: right; axis[2]: up. The ray of pixel (u, v) is axis[0] + u * axis[1] + v *
+     * axis[2] */
     float axis[3][3];
     float wide[3][3];     /* axis multiplied by OST_HALF_WIDE */
     float reach[3];       /* half the width of a voxel along right, up and forward */
 } ost_splat_eye;
 
-/* Half of a voxel's side, and a slightly greater value, with which rounding leaves no gaps between neighbours. */
+/*
+ * OST_HALF is half of a voxel's side. OST_HALF_WIDE is slightly greater, so that rounding leaves no gaps between
+ * voxels.
+ */
 #define OST_HALF 0.5f
 #define OST_HALF_WIDE 0.50005f
 /* If an eye is within OST_FACE_HALF of a voxel's centre along an axis, the rays to this voxel may run in both
@@ -87,7 +90,10 @@ typedef struct ost_extent {
 #define OST_EXTENT_UNKNOWN UINT64_C(0)
 #define OST_EXTENT_NONE UINT64_C(0xffff0000ffff0000)
 
-/* The points of a block that have a face toward the eye. Used as scratch, one struct per thread that computes lists. */
+/*
+ * The points of a block that have a face toward the eye. Each thread that computes lists has one such struct as
+ * scratch.
+ */
 typedef struct ost_chosen {
     uint32_t id[OST_BLOCK_POINTS + OST_LANES], shade[OST_BLOCK_POINTS + OST_LANES];
     /* axis of the exposed face that is turned to the eye; OST_SEVERAL if there is more than one */
@@ -116,13 +122,13 @@ typedef struct ost_visible {
 typedef struct ost_splat_kernels {
     /*
      * Selects the points that have a face toward the eye, and returns their number. Preserves their order. turned[a][i]
-     * is the set of faces perpendicular to axis a, as bits of ost_face, that are turned to the eye at coordinate i.
+     * contains, as bits of ost_face, the faces perpendicular to axis a that are turned to the eye at coordinate i.
      */
     uint32_t (*facing)(const ost_surface_block *block, uint32_t slot, const uint8_t turned[3][OST_BLOCK],
                        ost_chosen *out);
     /*
-     * Draws a block's list into the keys of the pixels in `part`. May also overwrite keys outside `part` in the same
-     * rows, which callers must not use.
+     * Draws a block's list into the keys of the pixels in `part`. In the rows of `part`, keys outside `part` are
+     * undefined afterwards.
      */
     void (*splat)(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t count,
                   const ost_planes *planes, const ost_extent *part);
@@ -133,9 +139,9 @@ typedef struct ost_splat_kernels {
        be a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
-     * In row y, for x0 <= x < x1, copies each pixel of `from` to `to` if it is nearer; at equal depth, the pixel of
-     * `to` remains. Depths of `from` are first multiplied by `scale`. Keys are not copied. Sets bit i of `taken` if a
-     * pixel with x / OST_LANES == i was copied.
+     * Merges the pixels x0 <= x < x1 of row y: copies a pixel from the planes `from` to the planes `to` if it is nearer
+     * there. A pixel at equal depth is not copied. The depths of `from` are first multiplied by `scale`. Keys are not
+     * copied. Sets bit x / OST_LANES of `taken` for each copied pixel.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;

@@ -65,7 +65,7 @@ uint32_t ost_facing_scalar(const ost_surface_block *block, uint32_t slot, const 
 }
 
 typedef struct rectangle {
-    int x0, x1, y0, y1; /* first and last column, first and last row, inclusive */
+    int x0, x1, y0, y1; /* columns x0 to x1 and rows y0 to y1, inclusive */
 } rectangle;
 
 static int within(float v, int lo, int hi)
@@ -75,7 +75,7 @@ static int within(float v, int lo, int hi)
     return (int)v;
 }
 
-/* Returns half of the sum over the axes a of |axis[a] - t forward[a]|, without the term of the axis `only`. */
+/* Returns half of the sum of |axis[a] - t forward[a]| over the axes a. The term of the axis `only` is omitted. */
 static float spread(const float axis[3], float t, const float forward[3], unsigned only)
 {
     float part[3];
@@ -84,7 +84,10 @@ static float spread(const float axis[3], float t, const float forward[3], unsign
     return OST_HALF * ((part[0] + part[1]) + part[2]);
 }
 
-/* Computes the pixels that a voxel, or its only face to draw, may cover. Returns false if there are none. */
+/*
+ * Computes the pixels that a voxel may cover or, if only one face is drawn, that this face may cover. Returns false if
+ * there are none.
+ */
 static bool rectangle_of(const ost_splat_eye *s, const float o[3], unsigned only, rectangle *r)
 {
     static const float origin[3];
@@ -119,13 +122,13 @@ typedef struct edge {
 
 /*
  * Computes the edges of a voxel's outline. Bit a of `negative` is set if rays run in the negative direction of axis a.
- * `only` is the axis of the only face to draw, or OST_SEVERAL.
+ * If only one face is drawn, `only` is its axis; otherwise, `only` is OST_SEVERAL.
  */
 static void edges_of(const ost_splat_eye *s, const float o[3], unsigned negative, unsigned only, edge out[6])
 {
     /*
-     * i = 0, 1, 2 stands for the vector v = focal * forward, right or up. n[i] is the cross product o x v, and m[i] is
-     * v * OST_HALF_WIDE with the sign reversed on the axes in `negative`.
+     * n[i] and m[i] are computed from the vector v, which is focal * forward, right or up for i = 0, 1 or 2. n[i] is
+     * the cross product o x v. m[i] is v * OST_HALF_WIDE, with the sign reversed on the axes in `negative`.
      */
     float n[3][3], m[3][3];
     for (int i = 0; i < 3; i++) {
@@ -201,7 +204,7 @@ static void widen(ost_extent *e, const rectangle *r)
     e->y1 = r->y1 + 1 > e->y1 ? r->y1 + 1 : e->y1;
 }
 
-/* Draws the entries `from` to `to` - 1 of a list, which have a common extent word. Returns this word. */
+/* Draws a group of entries of a list, whose indices are from <= i < to. Returns the extent word of the group. */
 static uint64_t splat_some(const ost_splat_eye *eye, const ost_visible *visible, uint32_t slot, uint32_t from,
                            uint32_t to, const ost_planes *planes, const ost_extent *part)
 {
@@ -239,9 +242,9 @@ void ost_splat_scalar(const ost_splat_eye *eye, const ost_visible *visible, uint
 }
 
 /*
- * Returns the face through which the ray enters the cube. Of the planes of the three faces that are turned to the eye,
- * the ray crosses the plane of this face last. The ray crosses the plane of axis a at (|o_a| - 1/2) / |d_a|. Products
- * are compared instead of these quotients, so that only one division is needed.
+ * Returns the face through which the ray enters the cube: of the three faces that are turned to the eye, the one whose
+ * plane the ray crosses last. The ray crosses the plane of axis a at the distance (|o_a| - 1/2) / |d_a|, in units of
+ * the length of d. Products are compared instead of these quotients, so that only one division is needed.
  */
 static unsigned enter(const ost_splat_eye *eye, const float o[3], float u, float v, float *depth)
 {

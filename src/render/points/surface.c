@@ -59,8 +59,8 @@ static int32_t *slot_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
     return s->slot_of + (x + (size_t)s->blocks[0] * ((size_t)y + (size_t)s->blocks[1] * (size_t)z));
 }
 
-/* Returns true if none of the block's voxels from `lo` to `hi` is shown. `lo` and `hi` are relative to the block and
-   may lie outside it. */
+/* Returns true if the block has no shown voxel in the box from `lo` to `hi` (inclusive). The box is relative to the
+   block and may extend beyond it. */
 static bool block_is_empty(const ost_surface_block *b, const int32_t lo[3], const int32_t hi[3])
 {
     int32_t from[3], to[3];
@@ -219,7 +219,7 @@ ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint
     if (!b) {
         static const int first[3] = {0, 0, 0}, last[3] = {SIDE - 1, SIDE - 1, SIDE - 1};
         status = new_block(surface, at, &b, err);
-        /* from now on, removals of the block's voxels are recorded */
+        /* the shades of the neighbouring blocks may depend on the uncut bone in the new block */
         mark(surface, at, first, last, 1, SEES_UNCUT);
     }
     if (status == OST_OK)
@@ -287,8 +287,7 @@ void ost_surface_age(ost_surface *surface)
     for (int32_t i = 0; i < surface->used; i++) {
         ost_surface_block *b = surface->slot[i];
         int lo[3], hi[3];
-        /* Fresh and recent voxels are shaded alike, so shades change only where the sets of fresh and recent voxels
-         * differ. */
+        /* Fresh and recent voxels are shaded alike. Shades therefore change only where the two sets differ. */
         if (b->recent && changed_box(b->fresh ? b->fresh : nothing, b->recent, lo, hi))
             mark(surface, b->at, lo, hi, 1, SEES_SHADES);
         free(b->recent);
@@ -355,7 +354,7 @@ ost_status ost_surface_update(ost_surface *surface, ost_error *err)
             status = ost_surface_renew(surface, i, err);
         surface->points += surface->slot[i]->count;
     }
-    /* cleared only after all blocks are updated, because updating a block reads these fields of its neighbours */
+    /* cleared only after all blocks are updated, because the update of a block reads these sets of its neighbours */
     for (int32_t i = 0; i < surface->used && status == OST_OK; i++) {
         free(surface->slot[i]->changed);
         surface->slot[i]->changed = NULL;

@@ -12,13 +12,11 @@
  *
  *   where   bits   0..4   5..9   10..14   15..20
  *                   x      y       z      exposed faces: -x +x -y +y -z +z
- *   look    bits   0..13                  14..21             22..29    30
- *                  normal (octahedral.h)  openness:          paint     bone was
- *                                         255 on an edge,    (uncut.h) removed
- *                                         225 on a plane,              there just
- *                                         less in a pit                now
+ *   look    bits   0..13                  14..21    22..29           30
+ *                  normal (octahedral.h)  openness  paint (uncut.h)  1 if bone was just removed there
  *
- * A face of a voxel is exposed if the neighbour at this face is not shown.
+ * A face of a voxel is exposed if the neighbour at this face is not shown. Openness is 255 on an edge, 225 on a plane,
+ * and less in a pit.
  *
  * Normal and openness are computed from the bits (shading.h), so a cut is drawn as smoothly as the uncut surface.
  *
@@ -43,7 +41,7 @@ enum {
     OST_FACES_SHIFT = 15,
     OST_OPEN_SHIFT = 14,
     OST_PAINT_SHIFT = 22,
-    /* reach of a shade, in voxels: the shade of a point does not depend on voxels farther away (renew.c) */
+    /* the shade of a point depends only on voxels at most this number of voxels away (renew.c) */
     OST_SHADING_REACH = 14,
 };
 #define OST_SHADE_CONTACT (UINT32_C(1) << 30)
@@ -64,11 +62,11 @@ typedef struct ost_surface_block {
     /* owned; voxels of `occupied` that changed since the last update; NULL if none */
     uint32_t *changed;
     uint32_t *before;          /* owned; voxels of the uncut bone; NULL if the surface has no reference */
-    /* owned; voxels removed since the last call of ost_surface_age (`fresh`), and between the last two calls
-       (`recent`); NULL if none */
+    /* fresh: voxels removed since the last call of ost_surface_age; recent: voxels removed between the last two calls.
+       Both are owned, and NULL if there are no such voxels */
     uint32_t *fresh, *recent;
     uint16_t *depth;           /* owned; squared depths (uncut.h); NULL until needed */
-    /* number of points, and number of points for which memory is allocated */
+    /* count: number of points; capacity: number of points for which memory is allocated */
     uint32_t count, capacity;
     /* amount of bone in each cell of 2^3 voxels (shading.h); x runs fastest */
     uint8_t cells[OST_BLOCK_ROWS * OST_BLOCK / 8];
@@ -90,7 +88,7 @@ typedef struct ost_surface {
     ost_surface_block **slot;  /* owned; the block of each slot; `used` entries */
     int32_t used, capacity;
     uint64_t points;           /* number of points of all blocks; valid after an update */
-    /* owned; number and list of the slots whose points or shades the last update changed */
+    /* renewed: slots whose points or shades the last update changed (owned); renewals: number of these slots */
     int32_t renewals, *renewed;
     struct ost_uncut *reference; /* uncut bone; borrowed; NULL if unknown */
     int colouring;             /* an ost_colouring (palette.h) */
@@ -107,15 +105,15 @@ ost_status ost_surface_init(ost_surface *surface, const ost_geometry *geometry, 
 void ost_surface_free(ost_surface *surface);
 
 /*
- * Replaces the active voxels of the block at position at[], in blocks. Bits outside the grid must be 0. Returns
- * OST_ERR_RANGE if this would need more than OST_BLOCKS_MAX slots.
+ * Replaces the active voxels of a block. at[] is its position in units of blocks. Bits outside the grid must be 0.
+ * Returns OST_ERR_RANGE if this would need more than OST_BLOCKS_MAX slots.
  */
 ost_status ost_surface_set(ost_surface *surface, const int32_t at[3], const uint32_t occupancy[OST_BLOCK_ROWS],
                            ost_error *err);
 /*
- * Replaces the active voxels of the chunk at position at[], in chunks of n^3 voxels, where n is 16, 32 or 64. Voxel
- * v = x + n * (y + n * z) is bit v % 32 of word v / 32. Allocates no memory for blocks that have never contained an
- * active voxel.
+ * Replaces the active voxels of a chunk of n^3 voxels, where n is 16, 32 or 64. at[] is its position in units of
+ * chunks. Voxel v = x + n * (y + n * z) is bit v % 32 of word v / 32. Allocates no memory for blocks that have never
+ * contained an active voxel.
  */
 ost_status ost_surface_set_chunk(ost_surface *surface, const int32_t at[3], int n, const uint32_t *words,
                                  ost_error *err);
@@ -124,12 +122,12 @@ ost_status ost_surface_set_volume(ost_surface *surface, const ost_volume *volume
 
 /*
  * ost_surface_set_uncut sets the uncut bone, which is borrowed and must have the same grid. ost_surface_set_colouring
- * sets the colouring. After a change of either, the next update recomputes all shades.
+ * sets the colouring. If one of them changes, the next update recomputes all shades.
  */
 ost_status ost_surface_set_uncut(ost_surface *surface, struct ost_uncut *reference, ost_error *err);
 void ost_surface_set_colouring(ost_surface *surface, int colouring);
 /* Starts a new interval for highlighting removed voxels: fresh voxels become recent, and recent voxels are no longer
-   highlighted. No-op if shows_contact is false. */
+   highlighted. Has no effect if shows_contact is false. */
 void ost_surface_age(ost_surface *surface);
 
 /*

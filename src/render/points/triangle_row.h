@@ -136,15 +136,15 @@ static inline ost_row_bytes ost_row_byte_mask(ost_row_ints mask)
 }
 #endif
 
-/* The pixels from <= x < to of a row. b and c are the weights of corners 1 and 2 at `from`; b_step and c_step are
-   their changes from pixel to pixel. */
+/* A span of a row: the pixels from <= x < to. b and c are the weights of corners 1 and 2 at the first pixel; b_step and
+   c_step are the changes of b and c from pixel to pixel. */
 typedef struct ost_row_span {
     int from, to;
     float b, b_step, c, c_step;
 } ost_row_span;
 
-/* Draws the part of a span in one vector of pixels, which begins at column x of the picture and at index `at` of the
-   planes. Returns true if a pixel has changed. */
+/* Draws the part of a span that lies in one vector of pixels. The vector begins at column x, which has the index `at`
+   in the planes. Returns true if a pixel has changed. */
 static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle *f, const ost_row_span *s, int x,
                                 const ost_planes *planes, size_t at)
 {
@@ -181,10 +181,10 @@ static inline bool ost_row_some(const ost_triangles *t, const ost_flat_triangle 
  */
 typedef struct ost_row_side {
     int64_t value;        /* value at the centre of the triangle's first pixel column in the row */
-    int64_t across, down; /* change from pixel to pixel, and from row to row */
+    int64_t across, down; /* across: change from one pixel to the next; down: change from one row to the next */
 } ost_row_side;
 
-/* Returns the edge function, in row y, of the side opposite to corner `opposite`. */
+/* Returns, for row y, the edge function of the side opposite to a corner. `opposite` is the number of the corner. */
 static inline ost_row_side ost_row_side_of(const ost_flat_triangle *f, int opposite, int y)
 {
     const int a = (opposite + 1) % 3, b = (opposite + 2) % 3;
@@ -203,7 +203,7 @@ static inline int64_t ost_row_quotient(int64_t a, int64_t b)
     return a < INT64_C(1) << 52 ? (int64_t)((double)a / (double)b) : a / b;
 }
 
-/* Restricts a half-open range of pixels to those on the inner side of one side of the triangle. Pixels are counted
+/* Removes from the half-open range [*from, *to) the pixels at which an edge function is negative. Pixels are counted
    from the triangle's first column. */
 static inline void ost_row_narrow(const ost_row_side *s, int *from, int *to)
 {

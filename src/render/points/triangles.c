@@ -77,22 +77,23 @@ static int clip(const corner in[3], const ost_eye *eye, corner out[CORNERS_MAX])
     return n;
 }
 
-/* Finds the half-open range of pixels, within 0 to `size`, whose centres lie between the least and the greatest of
-   three coordinates in 256ths of a pixel. */
+/* Finds the half-open range of the pixels in [0, size) whose centres lie between the smallest and the largest of three
+   coordinates. Coordinates are in 256ths of a pixel. */
 static void middles(int32_t a, int32_t b, int32_t c, int size, int *from, int *to)
 {
     const int32_t least = a < b ? a < c ? a : c : b < c ? b : c, most = a > b ? a > c ? a : c : b > c ? b : c;
     /*
-     * `first` is the first pixel whose centre is at or above `least`, and `end` is the first pixel whose centre is
-     * above `most`. The shifts round down, even for negative numbers. Coordinates are at most 2^28.
+     * `first` is the first pixel whose centre is not below the smallest coordinate. `end` is the first pixel whose
+     * centre is above the largest coordinate. The shifts round down, even for negative numbers. Coordinates are at most
+     * 2^28.
      */
     const int first = (least + PARTS / 2 - 1) >> 8, end = (most + PARTS / 2) >> 8;
     *from = first > 0 ? first < size ? first : size : 0;
     *to = end < size ? end > 0 ? end : 0 : size;
 }
 
-/* Adds a triangle that lies beyond the near plane, unless it covers no pixel, or the mesh is closed and the triangle
-   faces away from the eye. */
+/* Adds a triangle that lies beyond the near plane. A triangle is omitted if it covers no pixel, or if the mesh is
+   closed and the triangle faces away from the eye. */
 static void add(ost_triangles *t, const ost_eye *eye, const ost_flat_corner *const c[3], const float *const normal[3],
                 bool closed)
 {

@@ -20,7 +20,7 @@
 
 enum { OST_PIXEL_PARTS = 256 }; /* number of units per pixel of coordinates in the picture */
 
-/* A corner in the camera's frame and, if it is beyond the near plane, in the picture. */
+/* The position of a corner in the camera's frame and, if it is beyond the near plane, in the picture. */
 typedef struct ost_flat_corner {
     float at[3];             /* position along the camera's axes right, up and forward */
     float inverse;           /* 1 / at[2] */
@@ -30,7 +30,7 @@ typedef struct ost_flat_corner {
 /* A triangle in the picture. The order of the corners makes the area positive. */
 typedef struct ost_flat_triangle {
     int32_t x[3], y[3];      /* positions of the corners in 256ths of a pixel (ost_flat_corner) */
-    float whole;             /* reciprocal of twice the triangle's area, in units of (1/256 pixel)^2 */
+    float whole;             /* 1 / (2 * area of the triangle), with the area in units of (1/256 pixel)^2 */
     ost_extent pixels;       /* range of pixels whose centres the triangle may cover */
     float inverse[3];        /* reciprocal of each corner's distance along the forward axis, in voxels */
     float normal[3][3];      /* normal of each corner, turned to the eye and multiplied by `inverse` */
@@ -44,7 +44,7 @@ typedef struct ost_triangles {
     int y0, y1;              /* half-open range of rows that the triangles may cover */
     ost_lamps lamps;
     uint32_t colour;
-    /* gloss of the paint, and edge length of the mesh's voxels in units of the frame's depth */
+    /* gloss: gloss of the paint; scale: edge length of the mesh's voxels, in units of the frame's depth */
     float gloss, scale;
 } ost_triangles;
 

@@ -76,8 +76,8 @@ static int density_at(const ost_uncut *g, const int32_t at[3])
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate, that is, if it is close to the face and there is no bone from
- * PLATE_MM to PLATE_CLEAR_MM outward of the voxel.
+ * Returns true if a voxel is in the subchondral plate, that is, if the voxel is close to the face, and no bone lies
+ * outward of it at distances from PLATE_MM to PLATE_CLEAR_MM.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {
@@ -325,8 +325,8 @@ static void outside_words(const ost_uncut *g, const int32_t block[3], uint32_t w
         }
 }
 
-/* Computes, for each voxel of a row, the squared distance along the row to the nearest set bit of three adjacent
-   words, at most FAR. */
+/* Computes, for each voxel of a row, the squared distance along the row to the nearest set bit, at most FAR. The row
+   continues in the words `left` and `right`. */
 static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[SIDE])
 {
     int since = left ? __builtin_clz(left) : SIDE;
@@ -342,7 +342,7 @@ static void along_row(uint32_t left, uint32_t own, uint32_t right, int16_t out[S
     }
 }
 
-/* For each i, computes the minimum over |k| < 32 of line[i + k * count] + k^2. Lines of `count` elements are
+/* Computes out[i], the minimum of line[i + k * count] + k^2 over all |k| < 32. Lines have `count` elements and are
    adjacent in memory. */
 static inline void least(const int16_t *restrict line, int16_t *restrict out, int count)
 {

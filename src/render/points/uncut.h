@@ -33,7 +33,7 @@ typedef struct ost_uncut {
     bool uncut;
     int32_t classes, border[OST_CLASS_MAX];
     bool has_face;          /* true if `face` and `inward` are valid */
-    /* centre of the glenoid's face, in voxels, and unit vector from there into the bone */
+    /* face: centre of the glenoid's face, in voxels; inward: unit vector from there into the bone */
     double face[3], inward[3];
     double scale_mm;        /* depth of the last colour of the scale, in mm */
     uint8_t level[OST_DEPTH_FAR + 1]; /* paint for each squared depth */

@@ -52,8 +52,8 @@ void ost_light_tint_avx512(const ost_light *light, const uint32_t *shades, uint3
             _mm512_storeu_si512(tint + i, c);
             continue;
         }
-        /* The gather loads four bytes per two-byte entry. After the last entry, these bytes still belong to the same
-           struct. */
+        /* The gather loads four bytes for each entry of two bytes. The two bytes after the last entry belong to the
+           same struct. */
         const __m512i cell = _mm512_and_si512(l, all(OST_OCTAHEDRAL_COUNT - 1));
         const __m512i shade = _mm512_and_si512(_mm512_i32gather_epi32(cell, light->shade, 2), all(0xffff));
         const __m512i open = _mm512_add_epi32(_mm512_and_si512(_mm512_srli_epi32(l, OST_OPEN_SHIFT), all(255)), all(1));

@@ -162,7 +162,7 @@ static inline __m512 share(const __m512 fine[3], const __m512 wide[3], __m512 fi
     return _mm512_maskz_min_ps(says, _mm512_max_ps(t, one(0)), one(1));
 }
 
-/* Returns 1 - |aside| with the sign of `sign`, which must not be -0. */
+/* Returns 1 - |aside|, with the sign of the second argument, which must not be -0. */
 static inline __m512 folded(__m512 aside, __m512 sign)
 {
     const __m512 away = _mm512_sub_ps(one(1), _mm512_abs_ps(aside));

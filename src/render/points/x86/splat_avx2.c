@@ -33,8 +33,8 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm256_add_ps(xy, _mm256_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Returns, in each lane, half of the sum over the axes a of |axis[a] - t forward[a]|, without the terms of those
-   axes a for which the lane of single[a] is set. */
+/* Returns, in each lane, half of the sum of |axis[a] - t forward[a]| over the axes a. In the lanes that single[a]
+   selects, the term of axis a is omitted. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const lanes single[3])
 {
     lanes part[3];
@@ -101,7 +101,7 @@ static inline unsigned rectangles(const ost_splat_eye *s, lanes3 o, const lanes 
 
 /*
  * Computes the edges of eight voxels' outlines. The sign bit of negative[a] is set if rays run in the negative
- * direction of axis a. single[a] has all bits set if the only face to draw is on axis a.
+ * direction of axis a. All bits of a lane of single[a] are set if only one face is drawn and this face is on axis a.
  */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negative[3], const lanes single[3],
                             eight *out)
@@ -114,10 +114,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
-    /*
-     * i = 0, 1, 2 stands for the vector focal * forward, right or up, which yields the coefficient a, b or c of an
-     * edge.
-     */
+    /* Iteration i computes the coefficient a, b or c of each edge from the vector focal * forward, right or up. */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
@@ -142,8 +139,8 @@ static inline unsigned none_negative(const lanes f[6])
     return ~bits(_mm256_or_ps(first, second)) & 0xff;
 }
 
-/* `across` and `upward` return the distances of pixel centres from the forward axis in the picture. Distances to the
- * right and upward are positive. */
+/* across() and upward() return the coordinates of pixel centres relative to the forward axis, positive to the right and
+ * upward. */
 static inline lanes across(const ost_splat_eye *s, __m256i x)
 {
     return _mm256_sub_ps(_mm256_add_ps(_mm256_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -159,8 +156,8 @@ static inline unsigned at_least(__m256i a, int b)
     return greater(a, _mm256_set1_epi32(b - 1));
 }
 
-/* Draws the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. First lists the covered pixels as
-   index << 3 | lane. */
+/* Draws the voxels selected by `which`. Their rectangles have at most SMALL x SMALL pixels. The covered pixels are
+   first listed as index << 3 | lane. */
 static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned which, const ost_planes *planes)
 {
     uint32_t covered[EIGHT * SMALL * SMALL], n = 0;
@@ -208,7 +205,7 @@ static inline void fill_small(const ost_splat_eye *s, const eight *r, unsigned w
     }
 }
 
-/* Updates four pixels of a row. A pixel is covered if the sign bit of its lane in `in` is set. */
+/* Updates four pixels of a row. The sign bit of a lane of `in` is set if the pixel is covered. */
 static inline void write_nearest(uint64_t *row, __m128i in, __m256i key)
 {
     const __m256i mask = _mm256_cvtepi32_epi64(in), was = _mm256_maskload_epi64((const long long *)row, mask);
@@ -272,8 +269,8 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Redraws voxels that are so close to the eye that their rays run in both directions of an axis. There is one iteration
-   for each further combination of signs. */
+/* Draws again those voxels that are so close to the eye that their rays run in both directions of an axis. Each
+   iteration uses a further combination of the signs of these directions. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {

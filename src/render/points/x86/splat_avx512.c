@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes rectangles and outline edges for sixteen voxels at a time. Voxels that appear small are then tested sixteen
- * at a time, pixel by pixel of their rectangles. The covered pixels are collected in a list, and their keys are updated
- * one by one, because loading a single word that was just stored causes no stall, whereas loading a register that
- * overlaps this word does. For larger voxels, sixteen pixels are filled at a time, in one row or in two.
+ * Computes rectangles and outline edges for sixteen voxels at a time. Voxels with small rectangles are then tested
+ * sixteen at a time, with one pixel of every rectangle in each step. The covered pixels are collected in a list, and
+ * their keys are updated one by one. This avoids stalls: loading a single word that was just stored causes no stall,
+ * but loading a register that overlaps this word does. For larger voxels, sixteen pixels are filled at a time, in one
+ * row or in two.
  *
  * The file has more than 500 lines, because all steps of one inner loop are inlined into it.
  */
@@ -28,8 +29,8 @@ static inline lanes dot(const float axis[3], lanes3 o)
     return _mm512_add_ps(xy, _mm512_mul_ps(all(axis[2]), o.v[2]));
 }
 
-/* Returns, in each lane, half of the sum over the axes a of |axis[a] - t forward[a]|, without the terms of those
-   axes a for which the lane of single[a] is set. */
+/* Returns, in each lane, half of the sum of |axis[a] - t forward[a]| over the axes a. In the lanes that single[a]
+   selects, the term of axis a is omitted. */
 static inline lanes spread(const float axis[3], lanes t, const float forward[3], const __mmask16 single[3])
 {
     lanes part[3];
@@ -100,7 +101,10 @@ uint32_t ost_facing_avx512(const ost_surface_block *block, uint32_t slot, const 
     return n;
 }
 
-/* Maximum width and height of a small rectangle in pixels, and number of rows whose edges are computed at once. */
+/*
+ * SMALL: maximum width and height of a small rectangle in pixels; TALL: number of rows for which edges are computed at
+ * once
+ */
 enum { SMALL = 4, TALL = 16 };
 
 typedef struct sixteen {
@@ -111,7 +115,7 @@ typedef struct sixteen {
 
 /*
  * Computes the edges of sixteen voxels' outlines. The sign bit of negative[a] is set if rays run in the negative
- * direction of axis a. The mask single[a] is set if the only face to draw is on axis a.
+ * direction of axis a. A bit of the mask single[a] is set if only one face is drawn and this face is on axis a.
  */
 static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i negative[3], const __mmask16 single[3],
                             sixteen *out)
@@ -123,10 +127,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_first[a] = (__mmask16)((single[c] & same) | (single[b] & ~same));
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
-    /*
-     * i = 0, 1, 2 stands for the vector focal * forward, right or up, which yields the coefficient a, b or c of an
-     * edge.
-     */
+    /* Iteration i computes the coefficient a, b or c of each edge from the vector focal * forward, right or up. */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
@@ -155,8 +156,8 @@ static inline __m512i any_negative(const lanes f[6])
     return _mm512_or_si512(first, second);
 }
 
-/* `across` and `upward` return the distances of pixel centres from the forward axis in the picture. Distances to the
- * right and upward are positive. */
+/* across() and upward() return the coordinates of pixel centres relative to the forward axis, positive to the right and
+ * upward. */
 static inline lanes across(const ost_splat_eye *s, __m512i x)
 {
     return _mm512_sub_ps(_mm512_add_ps(_mm512_cvtepi32_ps(x), all(0.5f)), all(s->eye.half_w));
@@ -168,8 +169,8 @@ static inline lanes upward(const ost_splat_eye *s, __m512i y)
 }
 
 /*
- * Draws the voxels in `which`, whose rectangles have at most SMALL x SMALL pixels. First lists the covered pixels as
- * index << 4 | lane, which fits into 32 bits because frames have at most 2^26 pixels.
+ * Draws the voxels selected by `which`. Their rectangles have at most SMALL x SMALL pixels. The covered pixels are
+ * first listed as index << 4 | lane, which fits into 32 bits because frames have at most 2^26 pixels.
  */
 static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const sixteen *r, __mmask16 which,
                                                  const ost_planes *planes)
@@ -219,15 +220,15 @@ static __attribute__((noinline)) void fill_small(const ost_splat_eye *s, const s
     }
 }
 
-/* Updates eight pixels of a row. The mask `in` contains the covered pixels. */
+/* Updates eight pixels of a row. `in` is the mask of the covered pixels. */
 static inline void write_nearest(uint64_t *row, __mmask8 in, __m512i key)
 {
     const __mmask8 nearer = _mm512_mask_cmplt_epu64_mask(in, key, _mm512_maskz_loadu_epi64(in, row));
     _mm512_mask_storeu_epi64(row, nearer, key);
 }
 
-/* Fills a rectangle of up to eight columns, two rows at a time. One row is in the even lanes and
-   the other in the odd lanes. */
+/* Fills a rectangle of up to eight columns, two rows at a time: one row in the even lanes and the
+   other in the odd lanes. */
 static __attribute__((noinline)) void fill_pairs(const ost_splat_eye *s, const sixteen *r, int k, int y, int rows,
                                                  float start[6][TALL], const ost_planes *planes)
 {
@@ -350,8 +351,8 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Redraws voxels that are so close to the eye that their rays run in both directions of an axis. There is one iteration
-   for each further combination of signs. */
+/* Draws again those voxels that are so close to the eye that their rays run in both directions of an axis. Each
+   iteration uses a further combination of the signs of these directions. */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
