@@ -16,8 +16,8 @@ typedef struct ost_legend {
 /* Computes the size of the legend in pixels; 0 x 0 for plain bone without a clip plane. */
 void ost_legend_size(const ost_legend *legend, double unit, int *width, int *height);
 /*
- * Draws the legend with its lower left corner at (x, y). `unit` is the number of pixels per 1/96 inch. No-op for plain
- * bone without a clip plane.
+ * Draws the legend with its lower left corner at (x, y). `unit` is the number of pixels per 1/96 inch. Draws nothing
+ * for plain bone without a clip plane.
  */
 void ost_legend_draw(const ost_legend *legend, const ost_lettering *lettering, const ost_sheet *sheet, int x, int y,
                      double unit);

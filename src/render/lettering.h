@@ -17,10 +17,10 @@
 typedef struct ost_lettering ost_lettering;
 
 /*
- * The pixels to draw letters on, as 0xAABBGGRR, where AA is the opacity; the first row is the top row. If all pixels
- * are 0 before letters are drawn, the sheet becomes a transparent layer with colours premultiplied by opacity. A pixel
- * p of this layer over a pixel of colour c yields the colour p + c (255 - AA) / 255. If the pixels are those of a
- * picture, AA is meaningless.
+ * Pixels on which letters are drawn. A pixel is 0xAABBGGRR, where AA is the opacity; the first row is the top row.
+ * Letters on pixels that are 0 form a transparent layer, with colours premultiplied by opacity: a pixel p of this layer
+ * over a pixel of colour c yields the colour p + c (255 - AA) / 255. Letters can also be drawn directly on the pixels
+ * of a picture, where AA has no meaning.
  */
 typedef struct ost_sheet {
     uint32_t *pixels;

@@ -64,7 +64,7 @@ void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, 
     const int width = (int)(length / mm_per_pixel + 0.5), thick = (int)(2 * unit + 0.5), end = (int)(7 * unit + 0.5);
     snprintf(text, sizeof text, "%g mm", length);
     const int left = from_left ? x : x - width, wide = ost_lettering_width(letters, text);
-    /* the text is centred above the bar, but is shifted if it would extend beyond x, the fixed end of the bar */
+    /* the text is centred above the bar, but shifted if it would extend beyond the end of the bar that is at x */
     int at = left + (width - wide) / 2;
     at = from_left ? (at < left ? left : at) : at + wide > x ? x - wide : at;
     ost_sheet_box(sheet, left, y - thick, width, thick, colour, FULL);

@@ -20,7 +20,7 @@ enum { OST_MARKS_MARGIN = 12 };
 /* Returns the size of a unit in pixels for a picture of the given height. */
 double ost_marks_unit(int height);
 
-/* Returns the largest number of the form 1, 2 or 5 times a power of ten that is at most `most`, but at least 0.001. */
+/* Rounds down to 1, 2 or 5 times a power of ten. The result is at least 0.001. */
 double ost_round_down(double most);
 
 /*
@@ -34,9 +34,9 @@ void ost_orientation_letters(const double direction[3], char letters[4]);
 void ost_edge_letters(const double right[3], const double up[3], int edge, char letters[4]);
 
 /*
- * Draws a scale bar, with its lower edge at y and its length in millimetres written above it. The length is the largest
- * number of the form 1, 2 or 5 times a power of ten for which the bar is at most `longest` pixels long. x is the left
- * end of the bar if from_left is true, otherwise the right end.
+ * Draws a scale bar with its lower edge at y, and writes its length in millimetres above it. The length is 1, 2 or 5
+ * times a power of ten, and as large as possible for a bar of at most `longest` pixels. x is the left end of the bar if
+ * from_left is true, otherwise the right end.
  */
 void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, int y, bool from_left, int longest,
                    double mm_per_pixel, double unit, uint32_t colour);

@@ -303,11 +303,11 @@ static void draw_hits(const ost_frame *f, const ost_eye *e, const ost_overlay_sc
 /* ------------------------------------------------------------------ voxels */
 
 /*
- * A grid of any orientation, given in voxel coordinates of the bone. Used to draw the edges of those voxel faces that
- * are turned to the eye.
+ * A grid of any orientation, given in voxel coordinates of the bone. Used to draw the edges of the voxel faces that are
+ * turned to the eye.
  */
 typedef struct turned_grid {
-    /* position of the origin, and step from voxel to voxel along each axis of the grid */
+    /* position of the grid's origin; column[a]: step from voxel to voxel along axis a of the grid */
     double origin[3], column[3][3];
 } turned_grid;
 

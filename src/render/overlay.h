@@ -38,13 +38,13 @@ typedef struct ost_overlay_scene {
     ost_pose pose;                  /* pose of the tool in the bone's frame */
     int chunk;                      /* edge length of a chunk in voxels */
     int changed;                    /* number of positions in changed_at[] */
-    /* positions, in units of chunks, of the chunks that the last update changed */
+    /* positions of the chunks that the last update changed, in units of chunks */
     int32_t changed_at[OST_OVERLAY_CHANGED][3];
     bool planned;
     double face_mm[3], inward[3], depth_mm;
     /* trigonum spinae and inferior angle; valid if the overlay `landmarks` is selected */
     double trigonum_mm[3], inferior_mm[3];
-    double rim_mm[OST_OVERLAY_RIM][3];     /* positions on the glenoid's rim, in order around it */
+    double rim_mm[OST_OVERLAY_RIM][3];     /* points of the glenoid's rim, in order around the rim */
     int rim_count;
 } ost_overlay_scene;
 
@@ -54,7 +54,9 @@ typedef struct ost_overlay_scene {
  */
 void ost_overlay_draw(const ost_frame *frame, const ost_eye *eye, unsigned which, const ost_overlay_scene *scene);
 
-/* Computes the half-open range of chunks that may intersect the tool's box; empty if there are none. */
+/*
+ * Computes the half-open range of the chunks that may intersect the tool's box. The range is empty if there are none.
+ */
 void ost_overlay_hit_range(const ost_overlay_scene *scene, int32_t lo[3], int32_t hi[3]);
 
 /* Draws a line between two positions in voxel coordinates of the bone. `strength` is the opacity, 0 to 256 (opaque).

@@ -46,8 +46,8 @@ static void sink_flush(png_structp png)
 }
 
 /*
- * On failure, libpng calls longjmp, which returns to this setjmp. Everything that is used afterwards is therefore in *s
- * or in the caller's stack frame.
+ * On failure, libpng returns to this setjmp by longjmp. Data that are used afterwards are therefore in *s or in the
+ * caller's stack frame, not in local variables of this function.
  */
 static ost_status encode(png_structp png, png_infop info, const ost_picture *picture, ost_png_effort effort, sink *s,
                          ost_error *err)

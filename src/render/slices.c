@@ -38,9 +38,9 @@ enum { OUTLINE = 2 };        /* width of an outline in pixels */
 enum { LEAST_SIDE = 120 };  /* minimum length, in pixels, of a panel's shorter side for letters to fit */
 enum { BACK = 0x201a16, INK = 0xe0d4c9, TICK = 0x3cb4f0 }; /* 0xBBGGRR */
 
-/* Cached colours, three values per voxel, of the voxel rows above and below a line of samples. `row` contains the
-   indices of the two rows; -1 means that the row has not been computed yet. Many samples share a row, so calling the
-   callback for each sample would dominate the drawing time. */
+/* A cache of colours, three values per voxel, for the two rows of voxels between which a line of samples lies. `row`
+   contains the indices of the two rows; -1 marks a row that has not been computed yet. Without the cache, the callback
+   would be called for each sample, which would dominate the drawing time. */
 typedef struct row_pair {
     double *rgb[2];
     int row[2];
@@ -57,8 +57,8 @@ static size_t index_of(const source *s, const plane *p, int through, int i, int 
 }
 
 /*
- * Clamps a coordinate of a sample, in voxels, to the range of the voxel centres. Rounds it first if colours are not
- * interpolated.
+ * Clamps a coordinate of a sample, in voxels, to the range of the voxel centres. If colours are not interpolated, the
+ * coordinate is first rounded to a voxel centre.
  */
 static double at_centres(const source *s, double a, int n)
 {
@@ -67,7 +67,7 @@ static double at_centres(const source *s, double a, int n)
     return a < 0 ? 0 : a > n - 1 ? n - 1 : a;
 }
 
-/* Computes the colours of the row at position b or, if b lies between two rows, of both rows. */
+/* Computes the colours of the row at position b. If b lies between two rows, computes the colours of both. */
 static void find_rows(const source *s, const plane *p, int through, double b, row_pair *rows)
 {
     const int j = (int)b;
@@ -313,7 +313,9 @@ static void colour_of(const void *user, size_t voxel, double rgb[3])
         rgb[c] = removed ? 0.35 * grey + 0.65 * tint[c] : grey;
 }
 
-/* Computes the middle of the removed voxels' bounding box or, if no voxel was removed, of the grid. */
+/*
+ * Computes the middle of the bounding box of the removed voxels. If no voxel was removed, uses the middle of the grid.
+ */
 static void middle(const densities *d, int32_t at[3])
 {
     const ost_dims n = d->now->geometry.dims;

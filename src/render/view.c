@@ -43,7 +43,7 @@ static ost_status find_axes(const ost_view_options *o, aim *a, ost_error *err)
     return OST_OK;
 }
 
-/* Directs the camera at the middle of the active voxels' box, from a distance at which the picture contains the
+/* Directs the camera at the middle of the active voxels' box. Sets the distance so that the picture contains the
    complete box. */
 static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim *a)
 {

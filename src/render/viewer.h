@@ -57,7 +57,7 @@ typedef struct ost_viewer {
     ost_gl *gl;          /* OpenGL renderer; owned; NULL if the CPU draws frames */
     bool gl_current;     /* true if `gl` uses the context of the calling thread (ost_viewer_use_current) */
     const ost_gl_variant *variant;
-    /* reason why OpenGL was lost, so that the CPU draws frames instead; "" if it was not lost */
+    /* reason why OpenGL was lost; "" if it was not lost. After a loss, the CPU draws the frames */
     char lost[OST_ERROR_TEXT];
     char no_card[OST_ERROR_TEXT]; /* reason why ost_viewer_use_card did not select OpenGL; "" if it did */
 } ost_viewer;
@@ -107,8 +107,8 @@ ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume
  */
 ost_status ost_viewer_smooth_tool(ost_viewer *viewer, const ost_mesh *parts, int count, ost_error *err);
 /*
- * Sets the uncut bone and takes ownership of the volume, like ost_uncut_init. Must be called before the surface of the
- * bone is first set or updated.
+ * Sets the uncut bone and takes ownership of the volume, as ost_uncut_init does. Must be called before the surface of
+ * the bone is first set or updated.
  */
 ost_status ost_viewer_set_uncut(ost_viewer *viewer, ost_volume *before, int32_t threshold,
                                 const ost_density_classes *classes, const ost_pm3 *at, const double *axis,
@@ -132,16 +132,16 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
 /*
  * Draws the bone and the tool into a picture that stays in OpenGL (ost_gl_copy, ost_gl_show), without overlays and
- * ghost. viewer->frame does not change. `middle` is the point of the picture on the forward axis, in pixels from the
- * left and top edges; NULL means the middle of the picture. Returns OST_ERR_UNAVAILABLE if OpenGL is not in use or
- * fails, and OST_ERR_RANGE under the same conditions as ost_gl_draw.
+ * ghost. viewer->frame does not change. `middle` is the point at which the forward axis passes through the picture, in
+ * pixels from the left and top edges; NULL means the middle of the picture. Returns OST_ERR_UNAVAILABLE if OpenGL is
+ * not in use or fails, and OST_ERR_RANGE under the same conditions as ost_gl_draw.
  */
 ost_status ost_viewer_draw_gl(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err);
 /*
- * Draws like ost_viewer_draw, but into framebuffer 0 of the context of ost_viewer_use_current, with a sheet of the
- * frame's size over it. The frame is not read back. If OpenGL fails, viewer->gl is NULL afterwards, and the caller can
- * use ost_viewer_draw. ost_viewer_can_show returns true if OpenGL draws in this context and neither a ghost nor an
- * overlay is shown; only the CPU can draw these.
+ * ost_viewer_show draws a frame, and a sheet of the frame's size over it, into framebuffer 0 of the context of
+ * ost_viewer_use_current. The frame is not read back. If OpenGL fails, viewer->gl is NULL afterwards, and the caller
+ * can use ost_viewer_draw. ost_viewer_can_show returns true if OpenGL draws in this context and neither a ghost nor an
+ * overlay is shown, because only the CPU can draw these.
  */
 bool ost_viewer_can_show(const ost_viewer *viewer);
 ost_status ost_viewer_show(ost_viewer *viewer, const ost_camera *camera, const ost_gl_sheet *sheet, ost_error *err);

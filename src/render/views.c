@@ -70,8 +70,8 @@ void ost_view_subject_fit(ost_view_subject *s, const ost_volume *volume, int32_t
 }
 
 /*
- * Returns an orbit whose camera looks at `at` from the direction `back`. In LPS, x points to the patient's left, y to
- * the back, and z up.
+ * Returns an orbit around the point at[]. The vector back[] points from there to the camera. In LPS, x points to the
+ * patient's left, y to the back, and z up.
  */
 static ost_orbit from(const double at[3], const double back[3], double distance)
 {

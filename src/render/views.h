@@ -39,10 +39,11 @@ typedef enum ost_view_name {
 
 /* The objects in view. All positions are in the bone's frame, in millimetres. */
 typedef struct ost_view_subject {
-    /* middle and longest side of the bone's grid or, after ost_view_subject_fit, of the bone itself */
+    /* middle: middle of the bone's grid; size: its longest side. After ost_view_subject_fit, both refer to the bone
+     * itself */
     double middle[3], size;
     bool has_face;           /* true if `face` and `inward` are valid */
-    /* centre of the glenoid, and unit vector from there into the bone */
+    /* face: centre of the glenoid; inward: unit vector from there into the bone */
     double face[3], inward[3];
     bool has_landmarks;      /* true if `trigonum` and `inferior` are valid */
     double trigonum[3], inferior[3]; /* trigonum spinae and inferior angle of a scapula */
@@ -71,8 +72,8 @@ void ost_view_subject_fit(ost_view_subject *subject, const ost_volume *volume, i
 ost_orbit ost_view_orbit(ost_view_name view, const ost_view_subject *subject, const ost_pose *tool);
 
 /*
- * ost_orbit_turn rotates the camera around the point, and ost_orbit_shift shifts the point sideways. dx and dy are in
- * pixels of a picture that is `height` pixels high.
+ * ost_orbit_turn rotates the camera around the orbit's point, and ost_orbit_shift shifts this point sideways. dx and dy
+ * are in pixels of a picture that is `height` pixels high.
  */
 void ost_orbit_turn(ost_orbit *orbit, double dx, double dy, int height);
 void ost_orbit_shift(ost_orbit *orbit, double dx, double dy, int height);
