@@ -6,10 +6,10 @@
  *   along y   g(j) = min over i of f(i) + (s (j - i))^2, for each column of a slice
  *   along z   the same, for each column of a plane y = constant
  *
- * Only one slice or plane is stored as a dense array. A column is divided at its unlabelled voxels. For a voxel between
- * two unlabelled voxels, no voxel beyond the two gives a smaller value than the nearer one of the two. The minimum is
- * found as the lower envelope of the parabolas f(i) + (s (j - i))^2 (Meijster, Roerdink, Hesselink 2000), in time
- * proportional to the number of voxels.
+ * Only one slice or plane is stored as a dense array. A column is divided at its unlabelled voxels, at which f is 0. A
+ * voxel beyond an unlabelled voxel never gives a smaller value than the unlabelled voxel itself, so the parts of a
+ * column are processed separately. The minimum is found as the lower envelope of the parabolas f(i) + (s (j - i))^2
+ * (Meijster, Roerdink, Hesselink 2000), in time proportional to the number of voxels.
  *
  * Ranges: s <= 10^5 um (AR-GRID-1) and 0 <= i, j < 2^14, so (s j)^2 < 2^62; f <= FAR < 2^32.
  */
@@ -53,8 +53,8 @@ static void along_x(const segment_sparse *sparse, size_t i, int64_t s, uint32_t 
 /* ---------------------------------------------------------- along y and z */
 
 /*
- * Scratch for one column. The parabola of voxel vertex[q] is the lowest one from voxel start[q] up to start[q + 1] or
- * the column's end.
+ * Scratch for one column. From voxel start[q] on, the lowest parabola is that of voxel vertex[q]. Its range ends at
+ * start[q + 1] or at the end of the column.
  */
 typedef struct envelope {
     uint32_t *f;
@@ -86,8 +86,8 @@ static void minimum(envelope *e, uint32_t *column, size_t stride, int32_t n, int
             continue;
         }
         /*
-         * The vertex v of the previous parabola is below u. `last` is the last voxel at which the parabola of v is not
-         * above the parabola of u.
+         * v is the vertex of the previous parabola, so v < u. At the voxels up to and including `last`, the parabola of
+         * v is not above the parabola of u.
          */
         const int64_t v = e->vertex[q];
         const int64_t last = ost_floor_div((int64_t)e->f[u] - e->f[v] + s * s * ((int64_t)u * u - v * v),
@@ -106,8 +106,8 @@ static void minimum(envelope *e, uint32_t *column, size_t stride, int32_t n, int
 }
 
 /*
- * Divides a column at its unlabelled voxels, and computes the minimum for each part, including the voxels at
- * its ends.
+ * Divides a column at its unlabelled voxels, and computes the minimum for each part. A part includes the unlabelled
+ * voxels at its ends.
  */
 static void along_column(envelope *e, uint32_t *column, size_t stride, int32_t n, int64_t s)
 {

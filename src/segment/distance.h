@@ -6,8 +6,8 @@
 #include "segment/sparse.h"
 
 /*
- * The maximum distance in micrometres. Greater distances are clamped to it. All distances have this value if the grid
- * has no unlabelled voxel.
+ * The maximum distance in micrometres. Greater distances are clamped to this value. If the grid has no unlabelled
+ * voxel, all distances have this value.
  */
 enum { SEGMENT_DISTANCE_MAX = 65535 };
 

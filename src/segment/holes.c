@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A hole is a component of voxels without a label. It does not touch the border of the grid and contains no
- * air. Along x, the voxel before the first voxel of a hole has a label, because the hole contains all connected
- * voxels without a label and does not begin at the border.
+ * A hole is a connected component of voxels without a label that does not touch the border of the grid and contains no
+ * air. Along x, the voxel before a run of voxels of a hole has a label: without a label, this voxel would belong to the
+ * hole too, and a hole does not begin at the border.
  */
 #include "core/conditions.h"
 
@@ -16,8 +16,8 @@
 typedef struct block {
     const ost_volume *ct;
     ost_volume *labels;
-    int32_t air, z, count; /* the block consists of the slices [z, z + count); a voxel below the density `air` is air */
-    /* true if the block is one slice, whose holes are two-dimensional: its border in z is ignored */
+    int32_t air, z, count; /* slices [z, z + count); a voxel below the density `air` is air */
+    /* true if the block is one slice; its holes are two-dimensional, so its borders in z are ignored */
     bool is_slice;
     ost_segment *segments; /* if NULL, the voxels of a hole receive the negative of the surrounding label */
 } block;
