@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Measures how the cost of an event and the memory of a bone grow, and compares them with a model (docs/performance.md).
+"""Measures how the cost of an event and the memory of a bone grow, and compares them with a model (docs/log/0.2.md).
 
     PYTHON bench/python_scaling.py [REPEATS]        the package osteon must be installed
 
