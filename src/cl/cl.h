@@ -7,8 +7,8 @@
  *   program.c         builds programs; cache.c caches binaries under the key of key.c
  *   layout.c          checks that structs have the same layout on the device
  *   fingerprint.c     checks that the device's integer operations are correct
- *   launch.c          buffers and launches, with errors that name the device
- *   spare.c           a pool of large buffers for reuse
+ *   buffer.c          buffers, and a pool of large buffers for reuse
+ *   launch.c          transfers and launches, with errors that name the device
  *   face_mesh.c       meshes of visible faces, which a separate program computes
  *   grid.c import.c bone.c voxelize.c tool.c remove.c    the slots of the function table
  *   cl.c              the function table
@@ -105,7 +105,7 @@ typedef struct cl_backend {
     struct {
         cl_mem buffer;
         size_t bytes;
-    /* owned buffers that were freed and can be reused for buffers of about the same size (spare.c) */
+    /* owned buffers that were freed and can be reused for buffers of about the same size (buffer.c) */
     } spare[OST_CL_SPARES];
     cl_program program;
     cl_kernel kernel[OST_CL_KERNEL_COUNT];
@@ -164,16 +164,29 @@ ost_status ost_cl_fingerprint_check(cl_backend *backend, ost_error *err);
 /* Describes the floating-point arithmetic of the device in one line, for information only. */
 void ost_cl_fingerprint_floats(cl_backend *backend, char *notes, size_t size);
 
-/* -------------------------------------------------------------- launch.c */
+/* -------------------------------------------------------------- buffer.c */
 
 /* Creates a buffer on the device. If `data` is NULL, the buffer is uninitialised. Otherwise `data` is copied to the
    buffer before the function returns. If `bytes` is 0, the buffer has 1 byte. */
 ost_status ost_cl_buffer(cl_backend *backend, size_t bytes, const void *data, const char *what, cl_mem *out,
                          ost_error *err);
-/* Creates a buffer on the device that is filled with zeros. */
-ost_status ost_cl_buffer_zero(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, ost_error *err);
 /* Releases a buffer and sets *buffer to NULL. A NULL buffer is ignored. */
 void ost_cl_buffer_free(cl_backend *backend, cl_mem *buffer);
+/*
+ * Sets *out to a buffer of at least `bytes` bytes with undefined content, and *reserved to the buffer's size. Large
+ * buffers are reused.
+ */
+ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved,
+                             ost_error *err);
+/* Releases a buffer or stores it for reuse, and sets *buffer to NULL. *buffer may be NULL before the call. */
+void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved);
+/* Releases all buffers that are stored for reuse. Returns true if at least one buffer was released. */
+bool ost_cl_spare_clear(cl_backend *backend);
+
+/* -------------------------------------------------------------- launch.c */
+
+/* Creates a buffer on the device that is filled with zeros. */
+ost_status ost_cl_buffer_zero(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, ost_error *err);
 ost_status ost_cl_zero(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, ost_error *err);
 /* ost_cl_write and ost_cl_read block until the transfer has ended. */
 ost_status ost_cl_write(cl_backend *backend, cl_mem buffer, size_t offset, size_t bytes, const void *data,
@@ -190,19 +203,6 @@ ost_status ost_cl_read_later(cl_backend *backend, cl_mem buffer, size_t offset, 
 ost_status ost_cl_copy(cl_backend *backend, cl_mem from, cl_mem to, size_t bytes, ost_error *err);
 /* Blocks until all enqueued commands have ended. Returns the first error of these commands. */
 ost_status ost_cl_finish(cl_backend *backend, ost_error *err);
-
-/* ---------------------------------------------------------------- spare.c */
-
-/*
- * Sets *out to a buffer of at least `bytes` bytes with undefined content, and *reserved to the buffer's size. Large
- * buffers are reused.
- */
-ost_status ost_cl_spare_take(cl_backend *backend, size_t bytes, const char *what, cl_mem *out, size_t *reserved,
-                             ost_error *err);
-/* Releases a buffer or stores it for reuse, and sets *buffer to NULL. *buffer may be NULL before the call. */
-void ost_cl_spare_return(cl_backend *backend, cl_mem *buffer, size_t reserved);
-/* Releases all buffers that are stored for reuse. Returns true if at least one buffer was released. */
-bool ost_cl_spare_clear(cl_backend *backend);
 
 /* ------------------------------------------------------------ face_mesh.c */
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Creates buffers, transfers data and launches kernels.  All stages use the queue only
- * through these functions.
+ * Transfers data and launches kernels. All stages use the queue only through these functions.
  *
  * Work groups.  Kernels accept ranges that are rounded up, have no barrier and do not use the number of their work
  * group, so the size of a work group affects only the speed.  The host always specifies the size, because some drivers
@@ -9,7 +8,6 @@
  */
 #include "cl/cl.h"
 
-#include <stdio.h>
 #include <string.h>
 
 enum { WORKGROUP_DEFAULT = 64 };
@@ -29,25 +27,6 @@ static const char *const kernel_names[] = {
 #undef OST_CL_KERNEL_TEXT
 };
 
-ost_status ost_cl_buffer(cl_backend *b, size_t bytes, const void *data, const char *what, cl_mem *out, ost_error *err)
-{
-    char text[80];
-    snprintf(text, sizeof text, "%s, %zu bytes", what, bytes);
-    /* A size above the limit is not passed to the driver, so that the error is the same with all drivers. */
-    cl_int code = CL_INVALID_BUFFER_SIZE;
-    *out = NULL;
-    if (bytes <= b->device.max_buffer)
-        *out = b->cl->clCreateBuffer(b->context, CL_MEM_READ_WRITE | (data && bytes ? CL_MEM_COPY_HOST_PTR : 0),
-                                     bytes ? bytes : 1, data && bytes ? (void *)(uintptr_t)data : NULL, &code);
-    if (*out && code == CL_SUCCESS)
-        return OST_OK;
-    *out = NULL;
-    /* Releasing the buffers that are kept for reuse may free enough memory, so the call is repeated. */
-    if (ost_cl_spare_clear(b))
-        return ost_cl_buffer(b, bytes, data, what, out, err);
-    return ost_cl_fail(err, b->device.name, code, "clCreateBuffer", text);
-}
-
 ost_status ost_cl_buffer_zero(cl_backend *b, size_t bytes, const char *what, cl_mem *out, ost_error *err)
 {
     ost_status status = ost_cl_buffer(b, bytes, NULL, what, out, err);
@@ -56,13 +35,6 @@ ost_status ost_cl_buffer_zero(cl_backend *b, size_t bytes, const char *what, cl_
     if (status != OST_OK)
         ost_cl_buffer_free(b, out);
     return status;
-}
-
-void ost_cl_buffer_free(cl_backend *b, cl_mem *buffer)
-{
-    if (*buffer)
-        b->cl->clReleaseMemObject(*buffer);
-    *buffer = NULL;
 }
 
 static ost_status fill_zero(cl_backend *b, cl_mem buffer, size_t offset, size_t bytes, size_t unit, ost_error *err)
