@@ -32,6 +32,15 @@ for verb in $verbs; do
     run 0 "$verb" --no-such-option --help
 done
 
+# docs/reference/command.md must contain every verb and every environment variable that the program reads.
+page=$source_folder/docs/reference/command.md
+check "verbs of command.md" "$(sed -n 's/^| `\([a-z]*\)` .*osteon-.*/\1/p' "$page" | sort | tr '\n' ' ')" "$(echo "$verbs" | sort | tr '\n' ' ')"
+for variable in $(cd "$source_folder" && grep -rhoE '(getenv|is_set|setenv)\("[A-Z_]+"|vendor_library library = \{"[A-Z_]+"' \
+    src bench validation reproduction --include='*.c' | sed 's/"$//; s/.*"//' | sort -u); do
+    checks=$((checks + 1))
+    grep -q "\`$variable\`" "$page" || fail "$page does not describe the environment variable $variable"
+done
+
 # After wrong usage, the status must be 2, there must be one line with a suggestion, and nothing on
 # standard output.
 refuse 2 'no verb given'
