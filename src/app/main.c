@@ -142,7 +142,7 @@ static void on_exit_within_verb(void)
     ost_outfile_unlink_pending();
     signal_cleanup_end();
     static const char text[] =
-        "osteon: a library that it uses gave up, as said above; what was asked for is not done\n";
+        "osteon: a library ended the command before it was complete; the reason is in the message above\n";
     ssize_t ignored = write(STDERR_FILENO, text, sizeof text - 1);
     (void)ignored;
     _exit(within_verb->worker ? WORKER_EXIT_RESOURCES : 2);

@@ -70,7 +70,7 @@ OUTSIDE = {
     "phantom --scale": "phantom glenoid --out out.nrrd --scale 8.1",
     "tool --diameter": "tool peg --out out.stl --diameter 1001",
     "tool --length": "tool peg --out out.stl --length 1001",
-    "tool --segments": "tool peg --out out.stl --segments 10",
+    "tool --segments": "tool peg --out out.stl --segments 14",
 }
 faults = []
 checks = 0

@@ -32,9 +32,9 @@ static ost_status take_scale(const app_state *app, const option_decimal *given, 
     int64_t billionths;
     if (!given->text)
         return OST_OK;
-    if (!ost_decimal_scale(&given->value, 1000000000, &billionths, NULL) || billionths < 100000000 ||
-        billionths > 10000000000)
-        return usage_error(app, err, "--scale %s: must be from 0.1 to 10", given->text);
+    if (!ost_decimal_scale(&given->value, 1000000000, &billionths, NULL) || billionths < 125000000 ||
+        billionths > 8000000000)
+        return usage_error(app, err, "--scale %s: must be from 0.125 to 8", given->text);
     *out = (double)billionths / 1e9;
     return OST_OK;
 }
@@ -71,7 +71,7 @@ ost_status cmd_phantom(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "spacing", .kind = OPTION_LENGTHS, .out = &make.spacing, .value = "MM[,MM,MM]",
          .help = "voxel spacing (default: as in the thesis); the size of the bone does not change"},
         {.name = "scale", .kind = OPTION_DECIMAL, .out = &scale, .value = "FACTOR",
-         .help = "factor of the bone's size, from 0.1 to 10 (default: 1)"},
+         .help = "factor of the bone's size, from 0.125 to 8 (default: 1)"},
         {.name = "side", .kind = OPTION_CHOICE, .out = &side, .value = "left|right",
          .help = "side of the body (default: right)"},
         {.name = "decimals", .kind = OPTION_INTEGER, .out = &decimals, .value = "N", .min = 1, .max = 9,

@@ -44,7 +44,8 @@ ost_status cmd_segment(app_state *app, int argc, char **argv, ost_error *err)
         {.name = "at", .kind = OPTION_POINT, .out = &at, .given = &has_at, .value = "X,Y,Z",
          .help = "report the label at this position"},
         {.name = "orientation", .kind = OPTION_TEXT, .out = &orientation, .value = "XYZ",
-         .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS"},
+         .help = "directions of the axes of a CT whose file does not state them, such as LPS or RAS (default: LPS, "
+                 "with a warning)"},
         DICOM_OPTIONS(dicom),
         PREVIEW_OPTION(preview),
         COMPRESS_OPTION(compress),

@@ -39,8 +39,8 @@ ost_status cmd_tool(app_state *app, int argc, char **argv, ost_error *err)
          .help = "diameter (default: reamer 36, peg 6, burr 6)"},
         {.name = "length", .kind = OPTION_LENGTH, .out = &make.length, .value = "MM",
          .help = "length of the reamer's head, the peg or the burr's shaft (default: 20.3, 30, 20)"},
-        {.name = "segments", .kind = OPTION_INTEGER, .out = &segments, .value = "N", .min = 8, .max = 4096,
-         .help = "number of facets around the axis (default: 96)"},
+        {.name = "segments", .kind = OPTION_INTEGER, .out = &segments, .value = "N", .min = 12, .max = 3072,
+         .help = "number of facets around the axis, a multiple of 4 from 12 to 3072 (default: 96)"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "KIND --out FILE.stl [options]",
