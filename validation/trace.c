@@ -147,11 +147,12 @@ ost_status trace_create(const char *path, trace_writer **out, ost_error *err)
     }
     w->file = fopen(path, "wb");
     if (!w->file) {
+        const int error = errno;
         free(w->path);
         free(w);
         /* OST_ERR_IO makes a worker end with WORKER_EXIT_RESOURCES, so an unusable path gets a different status. */
-        const bool unusable = errno == ENOENT || errno == ENOTDIR || errno == EISDIR || errno == EACCES;
-        return ost_fail(err, unusable ? OST_ERR_INPUT : OST_ERR_IO, "%s: cannot write: %s", path, strerror(errno));
+        const bool unusable = error == ENOENT || error == ENOTDIR || error == EISDIR || error == EACCES;
+        return ost_fail(err, unusable ? OST_ERR_INPUT : OST_ERR_IO, "%s: cannot write: %s", path, strerror(error));
     }
     *out = w;
     return OST_OK;
