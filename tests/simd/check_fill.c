@@ -62,13 +62,11 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
     }
     if (kind == 1 && inside) { /* The row must end outside the mesh. */
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
-        minus[(nx - 1) / 64] ^= bit;
-        plus[(nx - 1) / 64] &= ~bit;
-        /* If the row already leaves the mesh at this centre, all crossings of the row are deleted. */
-        if (!(minus[(nx - 1) / 64] & bit)) {
-            memset(plus, 0, (size_t)(nx + 63) / 64 * sizeof *plus);
-            memset(minus, 0, (size_t)(nx + 63) / 64 * sizeof *minus);
-        }
+        /* A row that enters the mesh at its last centre loses this crossing. Any other row leaves the mesh there. */
+        if (plus[(nx - 1) / 64] & bit)
+            plus[(nx - 1) / 64] &= ~bit;
+        else
+            minus[(nx - 1) / 64] |= bit;
     }
 }
 
