@@ -65,7 +65,6 @@ typedef struct method_set {
 /* Makes an empty set. */
 ost_status method_set_init(method_set *set, const ost_voxel_box *box, ost_error *err);
 void method_set_free(method_set *set);
-int64_t method_set_count(const method_set *set);
 /* Returns the number of voxels of a box. */
 size_t method_box_count(const ost_voxel_box *box);
 /* Returns the index in the set of the first voxel of row (j, k). j and k are bone coordinates. */

@@ -25,15 +25,6 @@ void method_set_free(method_set *set)
     *set = (method_set){.in = NULL};
 }
 
-int64_t method_set_count(const method_set *set)
-{
-    const size_t count = method_box_count(&set->box);
-    int64_t in = 0;
-    for (size_t v = 0; v < count; v++)
-        in += set->in[v];
-    return in;
-}
-
 size_t method_set_row(const method_set *set, int32_t j, int32_t k)
 {
     const ost_voxel_box *b = &set->box;

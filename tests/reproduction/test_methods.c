@@ -389,6 +389,15 @@ static void test_all_methods(void **unused)
     method_device_close(device);
 }
 
+static int64_t count_set(const method_set *set)
+{
+    const size_t count = method_box_count(&set->box);
+    int64_t in = 0;
+    for (size_t v = 0; v < count; v++)
+        in += set->in[v];
+    return in;
+}
+
 /*
  * The functions that define the sets of a measurement must agree with the oracle, and differences must be counted
  * correctly.
@@ -420,8 +429,8 @@ static void test_definitions(void **unused)
         oracle_tool_to_bone(&scene, which, expected);
         assert_int_equal(differences(&scene, &sampled, expected), 0);
         method_set_compare(&own, &sampled, &d);
-        assert_int_equal(d.expected, method_set_count(&own));
-        assert_int_equal(d.removed, method_set_count(&sampled));
+        assert_int_equal(d.expected, count_set(&own));
+        assert_int_equal(d.removed, count_set(&sampled));
         assert_int_equal(d.expected - d.missed, d.removed - d.extra);
         assert_true(d.missed_inside <= d.missed);
         method_set_free(&own);
@@ -444,7 +453,7 @@ static void test_beyond_floats(void **unused)
     assert_ok(method_set_init(&wrong, &event.box, &err));
     method_define_bone_to_tool(&right, &event, NULL);
     method_define_bone_to_tool(&wrong, &event, NULL);
-    assert_true(method_set_count(&right) > 10000);
+    assert_true(count_set(&right) > 10000);
     assert_int_equal(method_beyond_floats(&right, &wrong, &event), 0);
     const size_t count = method_box_count(&event.box);
     for (size_t v = 0; v < count; v++)
