@@ -3,9 +3,7 @@
  * The removal algorithms with which the thesis is compared (sections 2.2 and 3.2), and their
  * measurements. Each measurement is one function that appends rows to a table and prints nothing.
  *
- *   options --> methods_chunk_sizes    Tables 3.3 and 3.4       chunks of 16^3, 32^3, 64^3 voxels
- *               methods_tool_voxels    Table 3.5                tool voxels of 1 to 0.25 mm
- *               methods_chunk_counts   Figs. 3.8, 3.10 to 3.12  1 to 64 chunks in an event
+ *   options --> methods_chunk_counts   Figs. 3.8, 3.10 to 3.12  1 to 64 chunks in an event
  *               methods_resolutions    Figs. 3.9 to 3.12        tool and bone of 64^3 to 1024^3 voxels
  *               methods_sampling       holes that tool points leave, by the ratio of voxel sizes
  *               methods_sampling_slice a picture of these holes
@@ -107,15 +105,6 @@ void methods_table_free(methods_table *table);
  * method or a case cannot be measured, its rows contain the reason. Errors: OST_ERR_MEMORY, and OST_ERR_USAGE for an
  * unknown method or backend.
  */
-
-/* Tables 3.3 and 3.4: the static event of a tool, OST_TOOL_REAMER or OST_TOOL_PEG, in a bone of 128^3
-   voxels of 0.47 mm, with chunks of 16^3, 32^3 and 64^3 voxels. */
-ost_status methods_chunk_sizes(const methods_options *options, ost_tool_kind tool, methods_table *table,
-                               ost_error *err);
-
-/* Table 3.5: the static event with chunks of 32^3 voxels and tool voxels of 1, 0.75, 0.5 and 0.25 mm. */
-ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind tool, methods_table *table,
-                               ost_error *err);
 
 /*
  * Figs. 3.8 and 3.10 to 3.12: the tool is inside a bone in which only the counts[i] chunks that are closest to the

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The cases of the thesis' tables and figures: chunk sizes, tool voxels, chunk counts and resolutions. */
+/* The cases of the thesis' figures: chunk counts and resolutions. */
 #include <stdio.h>
 
 #include "reproduction/methods/measure.h"
@@ -11,43 +11,6 @@ static void show(const methods_options *options, const char *text)
 {
     if (options->show)
         options->show(options->user, text);
-}
-
-ost_status methods_chunk_sizes(const methods_options *options, ost_tool_kind tool, methods_table *table,
-                               ost_error *err)
-{
-    static const int sizes[] = {16, 32, 64};
-    methods_scene scene = {.voxels = NULL};
-    ost_status status = methods_check(options, err);
-    if (status == OST_OK)
-        status = methods_scene_static(&scene, tool, HALF_MM, SCENE_SIDE, err);
-    for (size_t s = 0; s < sizeof sizes / sizeof sizes[0] && status == OST_OK; s++) {
-        char text[BENCH_TEXT];
-        snprintf(text, sizeof text, "%s, chunks of %d^3", ost_tool_kind_name(tool), sizes[s]);
-        show(options, text);
-        status = methods_measure(options, &scene, sizes[s], table, err);
-    }
-    methods_scene_free(&scene);
-    return status;
-}
-
-ost_status methods_tool_voxels(const methods_options *options, ost_tool_kind tool, methods_table *table,
-                               ost_error *err)
-{
-    static const ost_pm voxels[] = {OST_PM_PER_MM, 3 * OST_PM_PER_MM / 4, OST_PM_PER_MM / 2, OST_PM_PER_MM / 4};
-    ost_status status = methods_check(options, err);
-    for (size_t v = 0; v < sizeof voxels / sizeof voxels[0] && status == OST_OK; v++) {
-        methods_scene scene = {.voxels = NULL};
-        char text[BENCH_TEXT];
-        snprintf(text, sizeof text, "%s, tool voxels of %.2f mm", ost_tool_kind_name(tool),
-                 (double)voxels[v] / (double)OST_PM_PER_MM);
-        show(options, text);
-        status = methods_scene_static(&scene, tool, voxels[v], SCENE_SIDE, err);
-        if (status == OST_OK)
-            status = methods_measure(options, &scene, CHUNK, table, err);
-        methods_scene_free(&scene);
-    }
-    return status;
 }
 
 /* Appends the rows of a case whose scene cannot be made. The rows contain the error's text. Returns an error if there

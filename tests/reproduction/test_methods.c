@@ -543,23 +543,6 @@ static void check_rows(const methods_table *table)
     }
 }
 
-/* Tests the chunk sizes of Tables 3.3 and 3.4. */
-static void test_chunk_sizes(void **unused)
-{
-    (void)unused;
-    static const int expected[2][3] = {{84, 18, 5}, {80, 18, 8}};
-    ost_error err = {0};
-    for (int k = 0; k < 2; k++) {
-        methods_table table = {.rows = NULL};
-        assert_ok(methods_chunk_sizes(&quick, k ? OST_TOOL_PEG : OST_TOOL_REAMER, &table, &err));
-        assert_int_equal(table.count, 3 * (size_t)methods_count());
-        check_rows(&table);
-        for (size_t r = 0; r < table.count; r++)
-            assert_int_equal(table.rows[r].chunks, expected[k][r / (size_t)methods_count()]);
-        methods_table_free(&table);
-    }
-}
-
 static void test_chunk_counts(void **unused)
 {
     (void)unused;
@@ -579,17 +562,17 @@ static void test_chunk_counts(void **unused)
     methods_table_free(&table);
 }
 
-static void test_other_tables(void **unused)
+static void test_resolutions(void **unused)
 {
     (void)unused;
     static const int32_t tools[] = {32, 64}, bones[] = {64, 100};
     ost_error err = {0};
     methods_table table = {.rows = NULL};
-    assert_ok(methods_tool_voxels(&quick, OST_TOOL_REAMER, &table, &err));
+    assert_ok(methods_resolutions(&quick, OST_TOOL_REAMER, tools, 2, bones, 2, &table, &err));
     assert_ok(methods_resolutions(&quick, OST_TOOL_PEG, tools, 2, bones, 2, &table, &err));
     assert_int_equal(table.count, 8 * (size_t)methods_count());
     check_rows(&table);
-    for (size_t r = 4 * (size_t)methods_count(); r < table.count; r++)
+    for (size_t r = 0; r < table.count; r++)
         assert_in_range(table.rows[r].tool_side, tools[r / (size_t)methods_count() % 2] - 5,
                         tools[r / (size_t)methods_count() % 2]);
     methods_table_free(&table);
@@ -599,14 +582,15 @@ static void test_wrong_use(void **unused)
 {
     (void)unused;
     ost_error err = {0};
+    static const int32_t side = 32;
     methods_table table = {.rows = NULL};
     methods_options options = quick;
     options.methods = "osteon,yaw";
-    assert_int_equal(methods_tool_voxels(&options, OST_TOOL_REAMER, &table, &err), OST_ERR_USAGE);
+    assert_int_equal(methods_resolutions(&options, OST_TOOL_REAMER, &side, 1, &side, 1, &table, &err), OST_ERR_USAGE);
     assert_non_null(strstr(err.text, "yaw"));
     options = quick;
     options.threads = 0;
-    assert_int_equal(methods_chunk_sizes(&options, OST_TOOL_REAMER, &table, &err), OST_ERR_USAGE);
+    assert_int_equal(methods_chunk_counts(&options, OST_TOOL_REAMER, (const int[]){1}, 1, &table, &err), OST_ERR_USAGE);
     assert_int_equal(table.count, 0);
 }
 
@@ -614,8 +598,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_all_methods),  cmocka_unit_test(test_definitions), cmocka_unit_test(test_beyond_floats),
-        cmocka_unit_test(test_sampling),     cmocka_unit_test(test_slice),       cmocka_unit_test(test_chunk_sizes),
-        cmocka_unit_test(test_chunk_counts), cmocka_unit_test(test_other_tables), cmocka_unit_test(test_wrong_use),
+        cmocka_unit_test(test_sampling),     cmocka_unit_test(test_slice),       cmocka_unit_test(test_chunk_counts),
+        cmocka_unit_test(test_resolutions),  cmocka_unit_test(test_wrong_use),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
