@@ -17,15 +17,6 @@
 #include "core/face_mesh.h"
 #include "render/points/extract.h"
 
-const ost_phantom_kind bench_voxel_kinds[5] = {OST_PHANTOM_SCAPULA, OST_PHANTOM_GLENOID, OST_PHANTOM_TRABECULAR,
-                                               OST_PHANTOM_TRABECULAR2, OST_PHANTOM_FOAM};
-
-const char *bench_voxel_method_name(bench_voxel_method method)
-{
-    static const char *const names[BENCH_VOXEL_METHODS] = {"mesh", "thesis", "gl"};
-    return names[method];
-}
-
 const char *bench_voxel_stage_name(bench_voxel_stage stage)
 {
     static const char *const names[BENCH_VOXEL_STAGES] = {"copy to padded chunk", "classify active voxels",

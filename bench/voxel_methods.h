@@ -22,17 +22,13 @@
 
 typedef struct bench_voxel_model bench_voxel_model;
 
-/* The methods. Their names are "mesh", "thesis" and "gl". */
+/* The methods. */
 typedef enum bench_voxel_method {
     BENCH_VOXEL_MESH,   /* one quad for each visible face; if a chunk changes, it is meshed again */
     BENCH_VOXEL_THESIS, /* one GL_POINT for each voxel of each active chunk */
     BENCH_VOXEL_POINTS, /* osteon's GL_POINTs: one for each surface voxel that faces the camera */
     BENCH_VOXEL_METHODS
 } bench_voxel_method;
-const char *bench_voxel_method_name(bench_voxel_method method); /* static */
-
-/* The models: the scapula, the glenoid, the two trabecular cores and the foam (thesis, Fig. 1.4). */
-extern const ost_phantom_kind bench_voxel_kinds[5];
 
 /*
  * Generates a phantom, resamples it and extracts its surface. The backend options->backend computes the cubic grid, and

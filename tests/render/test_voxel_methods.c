@@ -11,6 +11,10 @@
 #include "bench/voxel_model.h"
 #include "harness.h"
 
+/* The models of the thesis (Fig. 1.4). */
+static const ost_phantom_kind kinds[5] = {OST_PHANTOM_SCAPULA, OST_PHANTOM_GLENOID, OST_PHANTOM_TRABECULAR,
+                                          OST_PHANTOM_TRABECULAR2, OST_PHANTOM_FOAM};
+
 static const bench_options options = {.backend = "cpu", .threads = 2, .quick = true};
 
 static bench_voxel_model *open_model(const bench_options *how, ost_phantom_kind kind, double scale)
@@ -70,7 +74,7 @@ static void test_memory(void **state)
     ost_error err = {0};
     bench_voxel_counts counts;
     for (int i = 0; i < 5; i++) {
-        bench_voxel_model *m = open_model(&options, bench_voxel_kinds[i], i > 2 ? 0.5 : 1);
+        bench_voxel_model *m = open_model(&options, kinds[i], i > 2 ? 0.5 : 1);
         assert_ok(bench_voxel_memory(m, &counts, &err));
         check_counts(&m->cubic, &counts.cubic);
         check_counts(&m->rect, &counts.rect);
@@ -202,13 +206,13 @@ static void print_model(ost_phantom_kind kind, double scale)
         printf(" sum %.2f, elapsed %.2f; %.0f faces\n", s.total.min, s.elapsed.min, s.faces_per_chunk);
         fflush(stdout);
     }
+    static const char *const methods[BENCH_VOXEL_METHODS] = {"mesh", "thesis", "gl"};
     const int32_t all = bench_voxel_chunks(m), counts[POINTS] = {1, (all + 3) / 4, (all + 1) / 2, all};
     for (int i = 0; i < BENCH_VOXEL_METHODS; i++) {
         bench_voxel_frames f;
         bench_voxel_cut cut;
         assert_ok(bench_voxel_idle(m, (bench_voxel_method)i, counts, POINTS, REPEAT, &f, &err));
-        printf("# %s %s, idle, chunks: least ms:", ost_phantom_name(kind),
-               bench_voxel_method_name((bench_voxel_method)i));
+        printf("# %s %s, idle, chunks: least ms:", ost_phantom_name(kind), methods[i]);
         for (int k = 0; k < f.count; k++)
             printf(" %d: %.2f", (int)f.frame[k].chunks, f.frame[k].ms.min);
         assert_ok(bench_voxel_removal(m, (bench_voxel_method)i, "cpu", FRAMES, &cut, &err));
@@ -229,8 +233,8 @@ static void test_figures(void **state)
     if (!getenv("OST_TEST_LONG"))
         skip();
     for (int i = 0; i < 5; i++)
-        if (!only || strcmp(only, ost_phantom_name(bench_voxel_kinds[i])) == 0)
-            print_model(bench_voxel_kinds[i], scale ? strtod(scale, NULL) : 1);
+        if (!only || strcmp(only, ost_phantom_name(kinds[i])) == 0)
+            print_model(kinds[i], scale ? strtod(scale, NULL) : 1);
 }
 
 int main(void)
