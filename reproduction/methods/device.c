@@ -27,11 +27,6 @@ void method_device_close(struct method_device *device)
     free(device);
 }
 
-const char *method_device_name(const struct method_device *device)
-{
-    return device ? device->cl.name : "";
-}
-
 ost_status method_device_check(cl_int code, const char *call, ost_error *err)
 {
     return code == CL_SUCCESS ? OST_OK
@@ -59,11 +54,5 @@ struct method_device *method_device_open(const char *spec, char reason[BENCH_TEX
 void method_device_close(struct method_device *device)
 {
     (void)device;
-}
-
-const char *method_device_name(const struct method_device *device)
-{
-    (void)device;
-    return "";
 }
 #endif

@@ -26,7 +26,5 @@ ost_status method_device_check(cl_int code, const char *call, ost_error *err);
 /* Opens the device selected by `spec`, such as "cl:platform=0,device=0". Returns NULL and the reason on failure. */
 struct method_device *method_device_open(const char *spec, char reason[BENCH_TEXT]);
 void method_device_close(struct method_device *device); /* device may be NULL */
-/* Returns the device's name, or "" for NULL. */
-const char *method_device_name(const struct method_device *device);
 
 #endif
