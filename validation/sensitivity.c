@@ -208,7 +208,6 @@ typedef struct share {
     /* The mistakes of a pass are numbered, and every kind occurs equally often. In this scene, `count` mistakes
        are made, beginning with number `first`. */
     uint64_t first, count;
-    const deviation *only;       /* the only mistake to make; NULL to make all */
     /* if not NULL, each of these kinds of mistakes is made once, and the range of numbers is ignored */
     const deviation_kind *kinds;
     /* true if the mistakes are made in every unit; false if they are made at a random rate */
@@ -259,7 +258,7 @@ static ost_status run_scene(bench *b, int number, const share *of, ost_error *er
         status = run_clean(&s, &c, b->names[1], &ref, in_ref, &b->found, err);
         for (uint64_t i = 0; i < of->count && status == OST_OK; i++) {
             const deviation how = drawn_mistake(&d, of, i);
-            status = inject(of->only ? of->only : &how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
+            status = inject(&how, &s, &c, b->names[1], &ref, in_ref, &b->found, err);
         }
     }
     trace_free(&ref);
@@ -326,18 +325,6 @@ static void bench_close(const bench *b)
     for (int f = 0; f < 2; f++)
         if (b->files[f] >= 0)
             close(b->files[f]);
-}
-
-ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err)
-{
-    bench b;
-    ost_status status = bench_open(&b, err);
-    b.found = (sensitivity){.seed = seed};
-    if (status == OST_OK)
-        status = run_scene(&b, scene_number, &(share){.count = 1, .only = how}, err);
-    bench_close(&b);
-    *out = b.found;
-    return status;
 }
 
 /* Returns the mistakes to make in a scene of this pass. */

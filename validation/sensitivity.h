@@ -62,7 +62,4 @@ ost_status sensitivity_run(uint64_t seed, uint64_t injections, int jobs,
                            void (*show)(void *user, const char *what, double share), void *user, sensitivity *out,
                            ost_error *err);
 
-/* Makes a single mistake in one scene, and compares the results. */
-ost_status sensitivity_of(const deviation *how, uint64_t seed, int scene_number, sensitivity *out, ost_error *err);
-
 #endif
