@@ -152,8 +152,8 @@ ost_status ost_frame_init(ost_frame *frame, int width, int height, ost_style sty
 /* Frees the frame's memory. Accepts a zero-initialized frame. */
 void ost_frame_free(ost_frame *frame);
 
-/* Enables keys for later frames. The planes then also contain the keys of the first layer, which identify the voxel
-   at each pixel. */
+/* For tests: enables keys for later frames. The planes then also contain the keys of the first layer, which identify
+   the voxel at each pixel. */
 ost_status ost_frame_store_keys(ost_frame *frame, ost_error *err);
 
 /* Enables partial redrawing: later frames draw only the parts that differ from the previous frame, which saves time
