@@ -67,7 +67,8 @@ void anatomy_cells_free(anatomy_cells *cells)
     *cells = (anatomy_cells){.at = NULL};
 }
 
-double anatomy_cells_farthest(const anatomy_cells *cells, const double from[3], size_t *index)
+/* Returns the distance from the point `from` to the farthest cell, and stores this cell's index in *index. */
+static double farthest_cell(const anatomy_cells *cells, const double from[3], size_t *index)
 {
     double most = -1;
     for (size_t i = 0; i < cells->count; i++) {
@@ -324,7 +325,7 @@ ost_status anatomy_blade_find(const anatomy_cells *cells, const double centre[3]
 {
     frame f;
     size_t farthest = 0;
-    if (!(anatomy_cells_farthest(cells, centre, &farthest) > 90))
+    if (!(farthest_cell(cells, centre, &farthest) > 90))
         return ost_fail(err, OST_ERR_INPUT, "the bone ends within 90 mm of the glenoid; expected a complete scapula");
     const double *low = cells->at[farthest];
     const double d[3] = {low[0] - centre[0], low[1] - centre[1], low[2] - centre[2]};

@@ -37,9 +37,6 @@ typedef struct anatomy_blade {
 ost_status anatomy_cells_make(const anatomy_field *field, anatomy_cells *out, ost_error *err);
 void anatomy_cells_free(anatomy_cells *cells);
 
-/* Returns the distance from the point `from` to the farthest cell, and stores this cell's index in *index. */
-double anatomy_cells_farthest(const anatomy_cells *cells, const double from[3], size_t *index);
-
 /*
  * Finds the landmarks of the blade. `centre` and `inward` are the centre and the inward axis of the glenoid's
  * face. Returns OST_ERR_INPUT with the reason if a landmark is not found.

@@ -57,7 +57,8 @@ void ost_chunk_grid_free(ost_chunk_grid *grid)
     *grid = (ost_chunk_grid){0};
 }
 
-bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk)
+/* Allocates memory filled with zeros for a chunk that has none. Returns false if memory is exhausted. */
+static bool chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk)
 {
     assert(!chunk->density && chunk->active == 0);
     size_t bytes = ost_chunk_bytes(grid->size);
@@ -204,7 +205,7 @@ ost_status ost_chunk_grid_upload(ost_chunk_grid *grid, int32_t z0, int32_t count
                 ost_chunk *chunk = chunk_at(grid, cx, cy, cz);
                 chunk_part part = part_of(grid, cx, cy, cz, z0, z1);
                 if (!chunk->density && part_has_active(grid, &part, voxels, z0))
-                    enough = ost_chunk_fill(grid, chunk);
+                    enough = chunk_fill(grid, chunk);
             }
 
     for (int32_t cz = c0; cz < c1; cz++)

@@ -56,8 +56,6 @@ ost_dims ost_chunk_dims(ost_dims dims, int size);
 /* Returns the memory of an active chunk, in bytes: densities and occupancy. */
 size_t ost_chunk_bytes(int size);
 
-/* Allocates memory filled with zeros for a chunk that has none. Returns false if memory is exhausted. */
-bool ost_chunk_fill(const ost_chunk_grid *grid, ost_chunk *chunk);
 /* Frees the memory of a chunk whose `active` count is 0. */
 void ost_chunk_release(ost_chunk *chunk);
 

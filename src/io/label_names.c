@@ -41,7 +41,8 @@ static void set_name(ost_label_name *item, const char *name, size_t length)
     ost_make_printable(item->name);
 }
 
-ost_status ost_label_names_add(ost_label_names *names, int32_t value, const char *name, size_t length, ost_error *err)
+/* Adds a name of `length` bytes for the label `value`. */
+static ost_status add_name(ost_label_names *names, int32_t value, const char *name, size_t length, ost_error *err)
 {
     ost_label_name *item;
     const ost_status status = append(names, &item, err);
@@ -118,7 +119,7 @@ ost_status ost_label_names_add_xml(ost_label_names *names, const char *text, ost
         if (!close)
             return OST_OK;
         if (value >= 0 && *key == '"')
-            status = ost_label_names_add(names, value, name, (size_t)(close - name), err);
+            status = add_name(names, value, name, (size_t)(close - name), err);
         at = close;
     }
     return status;
@@ -148,7 +149,7 @@ static ost_status add_json(ost_label_names *names, const char *path, const char 
             status = ost_fail(err, OST_ERR_INPUT, "%s: '%.60s'; expected names of labels from 0 to %d, such as "
                               "{\"3\": \"scapula\"} or {\"scapula\": 3}", path, key, INT16_MAX);
         else
-            status = ost_label_names_add(names, value, name, strlen(name), err);
+            status = add_name(names, value, name, strlen(name), err);
         if (status != OST_OK)
             break;
     }
@@ -176,7 +177,7 @@ static bool add_line(ost_label_names *names, char *line, ost_status *status, ost
     if (first)
         p = first + 1;
     const size_t length = first ? strlen(p) : strcspn(p, " \t,;");
-    *status = length ? ost_label_names_add(names, value, p, length, err) : OST_OK;
+    *status = length ? add_name(names, value, p, length, err) : OST_OK;
     return length > 0;
 }
 

@@ -33,8 +33,6 @@ struct ost_label_names {
 
 /* Adds the names that the header of a label map contains. A MetaImage contains no names. */
 ost_status ost_label_names_read(const char *path, ost_nifti_form form, ost_label_names *names, ost_error *err);
-/* Adds a name of `length` bytes for the label `value`. */
-ost_status ost_label_names_add(ost_label_names *names, int32_t value, const char *name, size_t length, ost_error *err);
 /*
  * Adds the name or the value of a segment, given the key and the value of a line in a NRRD header. Ignores all other
  * keys.

@@ -76,8 +76,9 @@ static void interpolated_row(const cpu_view *view, const ost_cpu_kernels *kernel
     }
 }
 
-void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
-                      int16_t *to)
+/* Writes the first `width` voxels of row (y, z) of the view to `to`. */
+static void view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
+                     int16_t *to)
 {
     if (ost_cpu_view_linear(view)) {
         interpolated_row(view, kernels, width, y, z, to);
@@ -104,8 +105,8 @@ static void copy_slices(const cpu_grid *grid, int32_t z0, int32_t count, int16_t
     {
         ost_member me = ost_team_join(&team);
         for (int64_t r; (r = ost_team_next(&team, &me)) >= 0;)
-            ost_cpu_view_row(&view, &backend->kernels, dims.x, (int32_t)(r % dims.y), z0 + (int32_t)(r / dims.y),
-                             to + r * dims.x);
+            view_row(&view, &backend->kernels, dims.x, (int32_t)(r % dims.y), z0 + (int32_t)(r / dims.y),
+                     to + r * dims.x);
     }
     ost_team_end(backend->sharing, &team);
 }

@@ -94,9 +94,6 @@ void ost_cpu_linear_rows(const cpu_view *view, const ost_cpu_kernels *kernels, i
                          const cpu_tap *y, int ny, const cpu_tap *z, int nz, int16_t (*to)[OST_ROW_STRIDE]);
 
 cpu_view ost_cpu_grid_view(const cpu_grid *grid);
-/* Writes the first `width` voxels of row (y, z) of the view to `to`. */
-void ost_cpu_view_row(const cpu_view *view, const ost_cpu_kernels *kernels, int32_t width, int32_t y, int32_t z,
-                      int16_t *to);
 
 /* Creates a grid that shares the store of `from`. The function takes ownership of map and minus, also on failure. */
 ost_status ost_cpu_grid_select(const cpu_grid *from, const ost_geometry *geometry, int32_t *map[3], int16_t *minus[3],

@@ -62,8 +62,6 @@ ost_status ost_ref_bone_occupancy(const ost_bone *bone, size_t count, const int3
                                   ost_error *err);
 ost_status ost_ref_bone_leaves(const ost_bone *bone, ost_digest *leaves, ost_error *err);
 
-/* Creates a tool with this geometry. All voxels of the tool are empty; the caller then sets them. */
-ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, ref_tool **out, ost_error *err);
 ost_status ost_ref_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 ost_status ost_ref_tool_download(const ost_tool *tool, ost_tool_volume *volume, ost_error *err);
 void ost_ref_tool_free(ost_tool *tool);

@@ -7,7 +7,8 @@
 
 #include "cpu/ref/voxelize.h"
 
-ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *geometry, ref_tool **out, ost_error *err)
+/* Creates a tool with this geometry. All voxels of the tool are empty; the caller then sets them. */
+static ost_status tool_create(ost_backend *backend, const ost_tool_geometry *geometry, ref_tool **out, ost_error *err)
 {
     int64_t count = ost_dims_count(geometry->dims);
     ref_tool *tool = malloc(sizeof *tool);
@@ -26,7 +27,7 @@ ost_status ost_ref_tool_create(ost_backend *backend, const ost_tool_geometry *ge
 ost_status ost_ref_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err)
 {
     ref_tool *tool;
-    ost_status status = ost_ref_tool_create(backend, &volume->geometry, &tool, err);
+    ost_status status = tool_create(backend, &volume->geometry, &tool, err);
     if (status != OST_OK)
         return status;
     memcpy(tool->voxels, volume->voxels, (size_t)ost_dims_count(volume->geometry.dims));
@@ -54,7 +55,7 @@ ost_status ost_ref_voxelize_tool(ost_backend *backend, const ost_snapped_mesh *c
                                  ost_tool **out, ost_error *err)
 {
     ref_tool *tool;
-    ost_status status = ost_ref_tool_create(backend, &cutting->grid, &tool, err);
+    ost_status status = tool_create(backend, &cutting->grid, &tool, err);
     if (status != OST_OK)
         return status;
     status = ost_ref_voxelize(cutting, noncutting, rule, report, tool->voxels, err);

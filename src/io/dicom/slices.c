@@ -70,36 +70,6 @@ void ost_dicom_mix(const int16_t *before, const int16_t *after, size_t count, in
 
 /* ------------------------------------------------------------------ slices */
 
-ost_status ost_dicom_slices_open(const ost_dicom_stack *stack, const ost_dicom_launch *launch, bool clamp,
-                                 ost_dicom_slices *out, ost_error *err)
-{
-    memset(out, 0, sizeof *out);
-    out->rows = (ost_rows){.next = ost_dicom_slices_row,
-                           .path = stack->scan->path,
-                           .converter = {.scaled = true}}; /* selects the message of ost_rows_bad */
-    memcpy(out->rows.sizes, stack->sizes, sizeof out->rows.sizes);
-    out->table.clamp = clamp;
-    ost_status status = ost_dicom_images_open(stack, launch, &out->images, err);
-    if (status != OST_OK || !(stack->evened || stack->untilted))
-        return status;
-    const size_t plain = out->images.bytes, slice = (size_t)stack->sizes[0] * (size_t)stack->sizes[1] * sizeof(int16_t);
-    bool failed = !(out->before = malloc(slice));
-    failed |= stack->untilted && !(out->plain = malloc(plain));
-    failed |= stack->evened && (!(out->after = malloc(slice)) || !(out->mixed = malloc(slice)));
-    return failed ? ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for slices of %zu bytes", stack->scan->path, slice)
-                  : OST_OK;
-}
-
-void ost_dicom_slices_close(ost_dicom_slices *slices)
-{
-    ost_dicom_images_close(&slices->images);
-    free(slices->plain);
-    free(slices->before);
-    free(slices->after);
-    free(slices->mixed);
-    slices->plain = slices->before = slices->after = slices->mixed = NULL;
-}
-
 /* Converts `count` cells of the slice that was read last, beginning with cell `from`. */
 static ost_status convert(ost_dicom_slices *s, size_t from, size_t count, int16_t *out, ost_error *err)
 {
@@ -179,7 +149,8 @@ static ost_status make_even(ost_dicom_slices *s, int64_t k, ost_error *err)
     return OST_OK;
 }
 
-ost_status ost_dicom_slices_row(ost_rows *rows, int64_t first, int16_t *out, ost_error *err)
+/* Implements ost_rows.next. Rows must be requested in order. */
+static ost_status next_row(ost_rows *rows, int64_t first, int16_t *out, ost_error *err)
 {
     ost_dicom_slices *s = (ost_dicom_slices *)(void *)rows;
     const ost_dicom_stack *stack = s->images.stack;
@@ -200,4 +171,34 @@ ost_status ost_dicom_slices_row(ost_rows *rows, int64_t first, int16_t *out, ost
     if (status == OST_OK)
         memcpy(out, s->current + at, count * sizeof *out);
     return status;
+}
+
+ost_status ost_dicom_slices_open(const ost_dicom_stack *stack, const ost_dicom_launch *launch, bool clamp,
+                                 ost_dicom_slices *out, ost_error *err)
+{
+    memset(out, 0, sizeof *out);
+    out->rows = (ost_rows){.next = next_row,
+                           .path = stack->scan->path,
+                           .converter = {.scaled = true}}; /* selects the message of ost_rows_bad */
+    memcpy(out->rows.sizes, stack->sizes, sizeof out->rows.sizes);
+    out->table.clamp = clamp;
+    ost_status status = ost_dicom_images_open(stack, launch, &out->images, err);
+    if (status != OST_OK || !(stack->evened || stack->untilted))
+        return status;
+    const size_t plain = out->images.bytes, slice = (size_t)stack->sizes[0] * (size_t)stack->sizes[1] * sizeof(int16_t);
+    bool failed = !(out->before = malloc(slice));
+    failed |= stack->untilted && !(out->plain = malloc(plain));
+    failed |= stack->evened && (!(out->after = malloc(slice)) || !(out->mixed = malloc(slice)));
+    return failed ? ost_fail(err, OST_ERR_MEMORY, "%s: out of memory for slices of %zu bytes", stack->scan->path, slice)
+                  : OST_OK;
+}
+
+void ost_dicom_slices_close(ost_dicom_slices *slices)
+{
+    ost_dicom_images_close(&slices->images);
+    free(slices->plain);
+    free(slices->before);
+    free(slices->after);
+    free(slices->mixed);
+    slices->plain = slices->before = slices->after = slices->mixed = NULL;
 }

@@ -14,7 +14,7 @@
 #include "io/volume/rows.h"
 
 typedef struct ost_dicom_slices {
-    ost_rows rows; /* must be the first member, because ost_dicom_slices_row casts its address to this struct */
+    ost_rows rows; /* must be the first member, because rows.next casts its address to this struct */
     ost_dicom_images images;
     ost_dicom_table table;
     const ost_dicom_frame *frame; /* image of the slice that was read last */
@@ -32,9 +32,6 @@ typedef struct ost_dicom_slices {
 ost_status ost_dicom_slices_open(const ost_dicom_stack *stack, const ost_dicom_launch *launch, bool clamp,
                                  ost_dicom_slices *out, ost_error *err);
 void ost_dicom_slices_close(ost_dicom_slices *slices);
-
-/* Implements ost_rows.next. Rows must be requested in order. */
-ost_status ost_dicom_slices_row(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
 
 /*
  * Shifts a slice of columns * rows densities by -drift. The result has sizes[0] * sizes[1] pixels, and its first pixel

@@ -103,7 +103,8 @@ static ost_status read_value(ost_rows *rows, int64_t number, int16_t *out, ost_e
     return OST_OK;
 }
 
-ost_status ost_nrrd_text_rows_end(ost_nrrd_text_rows *own, ost_error *err)
+/* Must be called after the last value of a part. Returns an error if anything but blanks follows. */
+static ost_status end_part(ost_nrrd_text_rows *own, ost_error *err)
 {
     ost_input *input = own->rows.parts->input;
     if (!input)
@@ -125,7 +126,7 @@ ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, 
     for (int32_t i = 0; i < rows->sizes[0]; i++) {
         ost_status status = OST_OK;
         if (rows->parts->input && own->left == 0)
-            status = ost_nrrd_text_rows_end(own, err);
+            status = end_part(own, err);
         if (status == OST_OK && !rows->parts->input) {
             status = ost_parts_ready(rows->parts, err);
             own->left = own->in_part;
@@ -138,5 +139,5 @@ ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, 
     }
     /* The last part must be ended here, because ost_parts_end would refuse the blanks that may follow the last
      * value. */
-    return own->left == 0 ? ost_nrrd_text_rows_end(own, err) : OST_OK;
+    return own->left == 0 ? end_part(own, err) : OST_OK;
 }

@@ -16,7 +16,5 @@ typedef struct ost_nrrd_text_rows {
 } ost_nrrd_text_rows;
 
 ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, ost_error *err);
-/* Must be called after the last value of a part. Returns an error if anything but blanks follows. */
-ost_status ost_nrrd_text_rows_end(ost_nrrd_text_rows *rows, ost_error *err);
 
 #endif
