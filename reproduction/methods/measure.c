@@ -37,7 +37,7 @@ void methods_table_free(methods_table *table)
     *table = (methods_table){.rows = NULL};
 }
 
-ost_status methods_table_add(methods_table *table, const methods_row *row, ost_error *err)
+static ost_status methods_table_add(methods_table *table, const methods_row *row, ost_error *err)
 {
     if (table->count == table->capacity) {
         const size_t capacity = table->capacity ? 2 * table->capacity : 64;
@@ -51,7 +51,8 @@ ost_status methods_table_add(methods_table *table, const methods_row *row, ost_e
     return OST_OK;
 }
 
-bool methods_selected(const methods_options *options, const char *name)
+/* Returns true if the options select the method with this name. */
+static bool methods_selected(const methods_options *options, const char *name)
 {
     const size_t length = strlen(name);
     for (const char *at = options->methods; at; at = strchr(at, ',') ? strchr(at, ',') + 1 : NULL)

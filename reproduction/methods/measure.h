@@ -7,9 +7,6 @@
 
 /* Checks the options. Returns OST_ERR_USAGE if a method is unknown or the number of threads is less than 1. */
 ost_status methods_check(const methods_options *options, ost_error *err);
-/* Returns true if the options select the method with this name. */
-bool methods_selected(const methods_options *options, const char *name);
-ost_status methods_table_add(methods_table *table, const methods_row *row, ost_error *err);
 
 /* Verifies and times the selected methods on a scene, and appends a row for each of them. */
 ost_status methods_measure(const methods_options *options, const methods_scene *scene, int chunk_size,

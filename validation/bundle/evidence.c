@@ -137,7 +137,8 @@ static void input_of(const campaign *c, int case_index, char hex[OST_DIGEST_HEX]
     ost_digest_hex(&digest, hex);
 }
 
-ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err)
+/* Makes the digests of a case's records in the form of cases.jsonl. On failure, *out is NULL. The caller owns *out. */
+static ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err)
 {
     ost_dims bone = {1, 1, 1};
     ost_status status = OST_OK;

@@ -34,9 +34,6 @@ ost_status evidence_case(const campaign *c, int case_index, json_t **out, ost_er
 /* Adds the results to the lines of all cases. The lines must be in the plan's order. */
 ost_status evidence_results(const campaign *c, json_t *cases, ost_error *err);
 
-/* Makes the digests of a case's records in the form of cases.jsonl. On failure, *out is NULL. The caller owns *out. */
-ost_status evidence_records(const trace *t, compare_range range, json_t **out, ost_error *err);
-
 /* Returns true if a stage of the reference refused this case's input. A backend that also refuses the input counts as
    equal, but this result is no evidence. */
 bool evidence_refused(const json_t *one);

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <osteon/digest.h>
+
 #include "validation/bundle/evidence.h"
 #include "validation/bundle/limits.h"
 #include "validation/subjects.h"
@@ -83,7 +85,9 @@ static ost_status add_line(ost_hasher *h, const char *line, ost_error *err)
     return status == OST_OK ? ost_hasher_add(h, "\n", 1, err) : status;
 }
 
-bool judge_reference(const json_t *one, ost_digest *out)
+/* Computes the SHA-256 of the digest lines of the reference's records. Returns false if the rows do not have the form
+   of cases.jsonl. */
+static bool judge_reference(const json_t *one, ost_digest *out)
 {
     char line[LINE];
     ost_hasher *h;

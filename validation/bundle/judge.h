@@ -21,7 +21,6 @@
 #define OST_VALIDATION_JUDGE_H
 
 #include <jansson.h>
-#include <osteon/digest.h>
 
 enum { JUDGE_TEXT = 480 };
 typedef void judge_problem(void *user, const char *text);
@@ -29,9 +28,5 @@ typedef void judge_problem(void *user, const char *text);
 /* Reports every contradiction in the line of one case; the text contains the names of the case and the backend.
    `protocol` contains the list of backends. */
 void judge_case(const json_t *protocol, const json_t *one, judge_problem *problem, void *user);
-
-/* Computes the SHA-256 of the digest lines of the reference's records. Returns false if the rows do not have the form
-   of cases.jsonl. */
-bool judge_reference(const json_t *one, ost_digest *out);
 
 #endif

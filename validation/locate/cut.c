@@ -6,7 +6,7 @@
 #include "core/conditions.h"
 #include "core/integer.h"
 
-bool cut_keeps(const cut_list *list, size_t i)
+static bool cut_keeps(const cut_list *list, size_t i)
 {
     if (!list->some)
         return true;

@@ -33,7 +33,6 @@ struct scene_cut {
 };
 typedef struct scene_cut scene_cut;
 
-bool cut_keeps(const cut_list *list, size_t i);
 /* Removes all parts of the scene that the cut does not retain. Returns OST_ERR_INPUT if no voxel of the grid would
    remain. */
 ost_status scene_cut_apply(const scene_cut *cut, scene *s, ost_error *err);
