@@ -71,7 +71,7 @@ typedef struct bridge {
 static void send_packet(bridge *b, const link_packet *p)
 {
     uint8_t bytes[LINK_STATE_BYTES];
-    const size_t size = link_seal(b->key, p, bytes);
+    const size_t size = ost_link_seal(b->key, p, bytes);
     /* If no simulation listens, send() fails at once. A simulation that starts later receives a later packet. */
     if (size && send(b->socket, bytes, size, MSG_DONTWAIT | MSG_NOSIGNAL) == (ssize_t)size)
         b->report->sent++;
@@ -122,7 +122,7 @@ static void take_state(bridge *b, const link_packet *p)
         b->sequence = p->answers;
         b->window = (link_window){.last = p->sequence - 1};
     }
-    switch (link_window_add(&b->window, p->sequence, &missing)) {
+    switch (ost_link_window_add(&b->window, p->sequence, &missing)) {
     case LINK_NEW: break;
     case LINK_LATE: b->report->late++; return;
     case LINK_REPLAYED: b->report->replayed++; return;
@@ -151,7 +151,7 @@ static void receive(bridge *b)
             return;
         if (size < 0)
             continue;
-        if ((size_t)size > sizeof bytes || link_unseal(b->key, bytes, (size_t)size, &p) != LINK_GOOD)
+        if ((size_t)size > sizeof bytes || ost_link_unseal(b->key, bytes, (size_t)size, &p) != LINK_GOOD)
             b->report->bad++;
         else
             take_state(b, &p);
@@ -209,8 +209,8 @@ static void follow_speed(bridge *b, const ost_pose *tool)
     b->has_at = true;
 }
 
-void bridge_press(const link_packet *s, const double hand[3], const double speed[3], double most_stiffness,
-                  double force[3])
+void ost_bridge_press(const link_packet *s, const double hand[3], const double speed[3], double most_stiffness,
+                      double force[3])
 {
     const double f[3] = {s->force_un[0] * 1e-6, s->force_un[1] * 1e-6, s->force_un[2] * 1e-6}, size = length_of(f);
     const double at[3] = {(double)s->pose.t.x * 1e-12, (double)s->pose.t.y * 1e-12, (double)s->pose.t.z * 1e-12};
@@ -231,7 +231,7 @@ static void let_go(bridge *b)
     b->limp = true;
     b->has_at = false;
     memset(b->speed, 0, sizeof b->speed);
-    haptic_clutch_release(&b->clutch);
+    ost_haptic_clutch_release(&b->clutch);
     ost_safety_stop(&b->safety);
 }
 
@@ -260,7 +260,7 @@ static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
 {
     double at[3], q[4], force[3], torque[3] = {0}, length = 0;
     if (b->limp) {
-        haptic_clutch_engage_at(&b->clutch, &b->last.state.pose);
+        ost_haptic_clutch_engage_at(&b->clutch, &b->last.state.pose);
         b->limp = false;
         b->engaged_once = true;
     }
@@ -271,11 +271,11 @@ static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
         length += q[i] * q[i];
     for (int i = 0; i < 4; i++)
         q[i] /= sqrt(length);
-    b->given = haptic_clutch_pose(&b->clutch, at, q);
+    b->given = ost_haptic_clutch_pose(&b->clutch, at, q);
     follow_speed(b, &b->given);
     speak(b, sample, LINK_SEEN);
-    bridge_press(&b->last.state, b->at, b->speed, b->most_stiffness, force);
-    haptic_clutch_vector(&b->clutch, force, wrench->force_n);
+    ost_bridge_press(&b->last.state, b->at, b->speed, b->most_stiffness, force);
+    ost_haptic_clutch_vector(&b->clutch, force, wrench->force_n);
     ost_safety_step(&b->safety, &sample->state.pose, !sample->declared, sample->state.buttons, PERIOD_S,
                     wrench->force_n, torque);
     b->report->peak_n = fmax(b->report->peak_n, length_of(wrench->force_n));
@@ -360,7 +360,7 @@ static ost_status run_thread(bridge *b, ost_haptic *device, ost_error *err)
     return status;
 }
 
-ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_report *report, ost_error *err)
+ost_status ost_bridge_run(ost_haptic *device, const bridge_options *options, bridge_report *report, ost_error *err)
 {
     memset(report, 0, sizeof *report);
     bridge *b = calloc(1, sizeof *b);
@@ -373,7 +373,7 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
     b->socket = -1;
     b->limp = true;
     b->given = nowhere;
-    b->clutch = haptic_clutch_make(&nowhere, 1);
+    b->clutch = ost_haptic_clutch_make(&nowhere, 1);
     b->most_stiffness = device->driver->max_stiffness_n_m;
     ost_safety_params safety = ost_safety_defaults();
     ost_haptic_limits own;
@@ -386,11 +386,11 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
     newest_begin(&b->out);
     b->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
     ost_status status = OST_OK;
-    if (b->wake < 0 || !link_random(&b->number))
+    if (b->wake < 0 || !ost_link_random(&b->number))
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "cannot create an eventfd or read a random number: %s",
                           strerror(errno));
     if (status == OST_OK)
-        status = link_key_read(options->key, &b->key, err);
+        status = ost_link_key_read(options->key, &b->key, err);
     if (status == OST_OK)
         status = open_socket(b, err);
     if (status == OST_OK)
@@ -404,7 +404,7 @@ ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_
         close(b->socket);
     if (b->wake >= 0)
         close(b->wake);
-    link_key_free(b->key);
+    ost_link_key_free(b->key);
     free(b);
     return status;
 }

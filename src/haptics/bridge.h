@@ -61,13 +61,13 @@ typedef struct bridge_report {
  * moves with `speed` (m/s). All vectors are in the bone's frame. The stiffness is limited to
  * most_stiffness (N/m).
  */
-void bridge_press(const link_packet *state, const double at[3], const double speed[3], double most_stiffness,
-                  double force_n[3]);
+void ost_bridge_press(const link_packet *state, const double at[3], const double speed[3], double most_stiffness,
+                      double force_n[3]);
 
 /*
  * Runs the bridge until one of the conditions in bridge_options ends the run. Returns
  * OST_ERR_UNAVAILABLE if no simulation answers in time.
  */
-ost_status bridge_run(ost_haptic *device, const bridge_options *options, bridge_report *report, ost_error *err);
+ost_status ost_bridge_run(ost_haptic *device, const bridge_options *options, bridge_report *report, ost_error *err);
 
 #endif

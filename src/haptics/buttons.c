@@ -50,7 +50,7 @@ ost_status ost_buttons_parse(const ost_haptic_info *info, const char *text, ost_
         chosen[i] = info->buttons[i].action;
     if (text && info->button_count == 0)
         return ost_fail(err, OST_ERR_USAGE, "device %s has no buttons", info->name);
-    ost_status status = text ? haptic_options(info->name, text, take, &(choice){info, chosen}, err) : OST_OK;
+    ost_status status = text ? ost_haptic_options(info->name, text, take, &(choice){info, chosen}, err) : OST_OK;
     if (status == OST_OK)
         memcpy(out, chosen, sizeof chosen);
     return status;

@@ -5,7 +5,7 @@
 
 #include "core/quaternion.h"
 
-void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4])
+void ost_haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4])
 {
     ost_pose_to_doubles(pose, at, q);
     ost_quaternion_unit(q);
@@ -13,28 +13,28 @@ void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4])
         at[i] *= 1e-3;
 }
 
-haptic_clutch haptic_clutch_make(const ost_pose *start, double scale)
+haptic_clutch ost_haptic_clutch_make(const ost_pose *start, double scale)
 {
     haptic_clutch c = {.scale = scale, .world = {1, 0, 0, 0}};
-    haptic_pose_to_metres(start, c.given_at, c.given_q);
+    ost_haptic_pose_to_metres(start, c.given_at, c.given_q);
     return c;
 }
 
-void haptic_clutch_lay(haptic_clutch *c)
+void ost_haptic_clutch_lay(haptic_clutch *c)
 {
     memcpy(c->world, c->given_q, sizeof c->world);
     c->laid = true;
 }
 
-void haptic_clutch_release(haptic_clutch *c)
+void ost_haptic_clutch_release(haptic_clutch *c)
 {
     c->engaged = false;
 }
 
-void haptic_clutch_engage_at(haptic_clutch *c, const ost_pose *tool)
+void ost_haptic_clutch_engage_at(haptic_clutch *c, const ost_pose *tool)
 {
     c->engaged = false;
-    haptic_pose_to_metres(tool, c->given_at, c->given_q);
+    ost_haptic_pose_to_metres(tool, c->given_at, c->given_q);
 }
 
 static void take_hold(haptic_clutch *c, const double at[3], const double q[4])
@@ -50,7 +50,7 @@ static void take_hold(haptic_clutch *c, const double at[3], const double q[4])
     memcpy(c->from_q, q, sizeof c->from_q);
 }
 
-ost_pose haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q[4])
+ost_pose ost_haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q[4])
 {
     double moved[3], back[4], a[4], b[4], unworld[4];
     if (!c->engaged)
@@ -67,17 +67,17 @@ ost_pose haptic_clutch_pose(haptic_clutch *c, const double at[3], const double q
     ost_quaternion_conjugate(c->world, unworld);
     ost_quaternion_product(b, unworld, a);
     ost_quaternion_product(a, c->base_q, c->given_q);
-    return haptic_pose_quantise(c->given_at, c->given_q);
+    return ost_haptic_pose_quantise(c->given_at, c->given_q);
 }
 
-ost_pose haptic_clutch_follow(haptic_clutch *c, const ost_pose *body)
+ost_pose ost_haptic_clutch_follow(haptic_clutch *c, const ost_pose *body)
 {
     double at[3], q[4];
-    haptic_pose_to_metres(body, at, q);
-    return haptic_clutch_pose(c, at, q);
+    ost_haptic_pose_to_metres(body, at, q);
+    return ost_haptic_clutch_pose(c, at, q);
 }
 
-void haptic_clutch_vector(const haptic_clutch *c, const double bone[3], double body[3])
+void ost_haptic_clutch_vector(const haptic_clutch *c, const double bone[3], double body[3])
 {
     double back[4];
     ost_quaternion_conjugate(c->world, back);

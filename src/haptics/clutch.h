@@ -25,27 +25,27 @@ typedef struct haptic_clutch {
 } haptic_clutch;
 
 /* Converts a pose to metres and a quaternion of length 1. */
-void haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
+void ost_haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
 
-haptic_clutch haptic_clutch_make(const ost_pose *start, double scale);
+haptic_clutch ost_haptic_clutch_make(const ost_pose *start, double scale);
 /*
  * Aligns the body's frame with the tool's start pose, regardless of the body's first orientation. Drivers call this
  * function for devices whose axes have a fixed meaning, such as right and up.
  */
-void haptic_clutch_lay(haptic_clutch *clutch);
+void ost_haptic_clutch_lay(haptic_clutch *clutch);
 /* Disengages the clutch. The next pose engages the clutch with the tool at its current position. */
-void haptic_clutch_release(haptic_clutch *clutch);
+void ost_haptic_clutch_release(haptic_clutch *clutch);
 /* Sets the tool's pose and disengages the clutch. The next pose engages the clutch with the tool at its new pose. */
-void haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);
+void ost_haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);
 /*
  * Returns the tool's pose for a body at the position `at` (m) with the orientation q (length 1).
  * Engages the clutch if it is not engaged. Returns an invalid pose if a value is not finite or is
  * too large.
  */
-ost_pose haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
-/* Computes the same pose as haptic_clutch_pose, but for a body whose pose is given in the bone's frame. */
-ost_pose haptic_clutch_follow(haptic_clutch *clutch, const ost_pose *body);
+ost_pose ost_haptic_clutch_pose(haptic_clutch *clutch, const double at[3], const double q[4]);
+/* Computes the same pose as ost_haptic_clutch_pose, but for a body whose pose is given in the bone's frame. */
+ost_pose ost_haptic_clutch_follow(haptic_clutch *clutch, const ost_pose *body);
 /* Rotates a vector, for example a force, from the bone's frame to the body's frame. */
-void haptic_clutch_vector(const haptic_clutch *clutch, const double bone[3], double body[3]);
+void ost_haptic_clutch_vector(const haptic_clutch *clutch, const double bone[3], double body[3]);
 
 #endif

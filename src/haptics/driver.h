@@ -58,18 +58,22 @@ ost_status ost_haptic_open_driver(const haptic_driver *driver, const char *optio
 
 /* Handles one key=value of the options. Returns OST_ERR_USAGE if the driver does not support the key. */
 typedef ost_status haptic_option(void *user, const char *key, const char *value, ost_error *err);
-ost_status haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err);
+ost_status ost_haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err);
 /*
  * Parses a number in the range lo <= number <= hi. For any other text, returns OST_ERR_USAGE with a
  * message that names the device and the key.
  */
-ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
-                         ost_error *err);
-/* Parses an integer in the range lo <= number <= hi. For any other text, returns the same error as haptic_number. */
-ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out,
-                          ost_error *err);
+ost_status ost_haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
+                             ost_error *err);
+/*
+ * Parses an integer in the range lo <= number <= hi. For any other text, returns the same error as
+ * ost_haptic_number.
+ */
+ost_status ost_haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi,
+                              int64_t *out, ost_error *err);
 
-extern const haptic_driver haptic_null, haptic_script, haptic_replay, haptic_sim, haptic_motion, haptic_mouse,
-    haptic_openhaptics, haptic_dhd, haptic_spnav, haptic_inverse3, haptic_udp, haptic_openxr;
+extern const haptic_driver ost_haptic_null, ost_haptic_script, ost_haptic_replay, ost_haptic_sim, ost_haptic_motion,
+    ost_haptic_mouse, ost_haptic_openhaptics, ost_haptic_dhd, ost_haptic_spnav, ost_haptic_inverse3, ost_haptic_udp,
+    ost_haptic_openxr;
 
 #endif

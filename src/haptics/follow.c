@@ -6,7 +6,7 @@
 static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
 static const double TURN = 0.0188;            /* maximum rotation per tick in radians: three revolutions per second */
 
-void haptic_follow_take(const ost_pose *pose, double at[3], double q[4])
+void ost_haptic_follow_take(const ost_pose *pose, double at[3], double q[4])
 {
     double mm[3], n = 0;
     ost_pose_to_doubles(pose, mm, q);
@@ -47,7 +47,7 @@ static void approach_turn(haptic_follow *f, const double to[4])
         f->q[i] /= sqrt(n);
 }
 
-void haptic_follow_tick(haptic_follow *f, const double to[3], const double toward[4], double step_m)
+void ost_haptic_follow_tick(haptic_follow *f, const double to[3], const double toward[4], double step_m)
 {
     approach_position(f, to, step_m);
     approach_turn(f, toward);

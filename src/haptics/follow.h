@@ -14,11 +14,11 @@ typedef struct haptic_follow {
 } haptic_follow;
 
 /* Converts a pose to metres and a unit quaternion. */
-void haptic_follow_take(const ost_pose *pose, double at[3], double q[4]);
+void ost_haptic_follow_take(const ost_pose *pose, double at[3], double q[4]);
 /*
  * Advances by one tick of 1 ms toward a pose. The motion is at most step_m metres. The rotation takes the shorter arc
  * and is at most three revolutions per second.
  */
-void haptic_follow_tick(haptic_follow *f, const double to[3], const double toward[4], double step_m);
+void ost_haptic_follow_tick(haptic_follow *f, const double to[3], const double toward[4], double step_m);
 
 #endif

@@ -65,13 +65,13 @@ struct haptic_instance {
 static bool dhd_usable(char reason[256])
 {
     dhd_calls calls;
-    return vendor_load(&library, &calls, reason);
+    return ost_vendor_load(&library, &calls, reason);
 }
 
 static ost_status take(void *user, const char *key, const char *value, ost_error *err)
 {
     if (strcmp(key, "scale") == 0)
-        return haptic_integer("dhd", key, value, 1, MOST_SCALE_PERCENT, user, err);
+        return ost_haptic_integer("dhd", key, value, 1, MOST_SCALE_PERCENT, user, err);
     return ost_fail(err, OST_ERR_USAGE, "device dhd: unknown option '%s'; expected scale (per cent)", key);
 }
 
@@ -81,17 +81,17 @@ static ost_status dhd_open(const char *options, const ost_haptic_setup *setup, h
     static const int axes[3] = {1, 2, 0};
     int64_t percent = 100;
     char reason[256];
-    ost_status status = haptic_options("dhd", options, take, &percent, err);
+    ost_status status = ost_haptic_options("dhd", options, take, &percent, err);
     if (status != OST_OK)
         return status;
     haptic_instance *d = calloc(1, sizeof *d);
     if (!d)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for device dhd");
-    if (!vendor_load(&library, &d->dhd, reason)) {
+    if (!ost_vendor_load(&library, &d->dhd, reason)) {
         free(d);
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: %s", reason);
     }
-    d->workspace = haptic_workspace_make(&setup->start, axes, (double)percent / 100);
+    d->workspace = ost_haptic_workspace_make(&setup->start, axes, (double)percent / 100);
     if (d->dhd.open() < 0) {
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "device dhd: cannot open: %.160s", d->dhd.last_error());
     } else if (d->dhd.enable_force(1, LAST_OPENED) < 0) {
@@ -122,15 +122,15 @@ static ost_haptic_answer dhd_read(haptic_instance *d, ost_haptic_state *state)
     if (buttons < 0)
         return OST_HAPTIC_LOST;
     *state = (ost_haptic_state){
-        .pose = haptic_workspace_pose(&d->workspace, at, frame), .tool = -1, .buttons = (uint32_t)buttons};
+        .pose = ost_haptic_workspace_pose(&d->workspace, at, frame), .tool = -1, .buttons = (uint32_t)buttons};
     return OST_HAPTIC_FRESH;
 }
 
 static void dhd_write(haptic_instance *d, const ost_wrench *wrench)
 {
     double f[3], t[3];
-    haptic_workspace_vector(&d->workspace, wrench->force_n, f);
-    haptic_workspace_vector(&d->workspace, wrench->torque_nm, t);
+    ost_haptic_workspace_vector(&d->workspace, wrench->force_n, f);
+    ost_haptic_workspace_vector(&d->workspace, wrench->torque_nm, t);
     d->lost = d->lost || d->dhd.set_force(f[0], f[1], f[2], t[0], t[1], t[2], 0, LAST_OPENED) < 0;
 }
 
@@ -147,7 +147,7 @@ static void dhd_limits(haptic_instance *d, ost_haptic_limits *out)
         }
 }
 
-const haptic_driver haptic_dhd = {
+const haptic_driver ost_haptic_dhd = {
     .name = "dhd",
     .description = "Force Dimension's delta, omega, sigma and lambda, and Novint's Falcon",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_TORQUE | OST_HAPTIC_ORIENTATION,

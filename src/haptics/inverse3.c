@@ -317,9 +317,9 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     choice *c = user;
     if (strcmp(key, "port") == 0)
-        return haptic_integer("inverse3", key, value, 1, 65535, &c->port, err);
+        return ost_haptic_integer("inverse3", key, value, 1, 65535, &c->port, err);
     if (strcmp(key, "scale") == 0)
-        return haptic_number("inverse3", key, value, 1, 1000, &c->percent, err);
+        return ost_haptic_number("inverse3", key, value, 1, 1000, &c->percent, err);
     if (strcmp(key, "id") != 0)
         return ost_fail(err, OST_ERR_USAGE, "device inverse3: unknown option '%s'; expected id, port or scale", key);
     if (!is_id(value))
@@ -405,7 +405,7 @@ static ost_status inverse3_open(const char *options, const ost_haptic_setup *set
                                 ost_error *err)
 {
     choice c = {.port = PORT, .percent = 100};
-    ost_status status = haptic_options("inverse3", options, take, &c, err);
+    ost_status status = ost_haptic_options("inverse3", options, take, &c, err);
     if (status == OST_OK)
         status = ost_pose_check(&setup->start, err);
     if (status != OST_OK)
@@ -414,8 +414,8 @@ static ost_status inverse3_open(const char *options, const ost_haptic_setup *set
     if (!h)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for device inverse3");
     memcpy(h->wanted, c.id, ID);
-    h->clutch = haptic_clutch_make(&setup->start, c.percent / 100);
-    haptic_clutch_lay(&h->clutch);
+    h->clutch = ost_haptic_clutch_make(&setup->start, c.percent / 100);
+    ost_haptic_clutch_lay(&h->clutch);
     h->tracking_lost = true;
     newest_begin(&h->in);
     newest_begin(&h->out);
@@ -445,19 +445,20 @@ static ost_haptic_answer inverse3_read(haptic_instance *h, ost_haptic_state *sta
         if (!h->tracking_lost && h->ticks_without_sample <= PATIENT_TICKS)
             return OST_HAPTIC_NO_SAMPLE;
         h->tracking_lost = true;
-        haptic_clutch_release(&h->clutch);
+        ost_haptic_clutch_release(&h->clutch);
         return OST_HAPTIC_NOT_TRACKED;
     }
     const came *c = &h->came[h->in.front];
     h->ticks_without_sample = 0;
     h->tracking_lost = false;
-    *state = (ost_haptic_state){.pose = haptic_clutch_pose(&h->clutch, c->at, c->q), .tool = -1, .buttons = c->buttons};
+    *state = (ost_haptic_state){
+        .pose = ost_haptic_clutch_pose(&h->clutch, c->at, c->q), .tool = -1, .buttons = c->buttons};
     return OST_HAPTIC_FRESH;
 }
 
 static void inverse3_write(haptic_instance *h, const ost_wrench *wrench)
 {
-    haptic_clutch_vector(&h->clutch, wrench->force_n, h->force[h->out.back]);
+    ost_haptic_clutch_vector(&h->clutch, wrench->force_n, h->force[h->out.back]);
     newest_put(&h->out);
 }
 
@@ -509,7 +510,7 @@ static void inverse3_write(haptic_instance *instance, const ost_wrench *wrench)
 #define COUNTS NULL
 #endif
 
-const haptic_driver haptic_inverse3 = {
+const haptic_driver ost_haptic_inverse3 = {
     .name = "inverse3",
     .description = "Haply's Inverse3 with a VerseGrip, by the vendor's service",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION,

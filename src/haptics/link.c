@@ -49,7 +49,7 @@ static size_t body_of(uint8_t type)
     return (type == LINK_STATE ? LINK_STATE_BYTES : LINK_POSE_BYTES) - LINK_MAC;
 }
 
-size_t link_encode(const link_packet *packet, uint8_t b[LINK_STATE_BYTES])
+size_t ost_link_encode(const link_packet *packet, uint8_t b[LINK_STATE_BYTES])
 {
     const ost_pose *p = &packet->pose;
     const int64_t t[3] = {p->t.x, p->t.y, p->t.z};
@@ -80,7 +80,7 @@ size_t link_encode(const link_packet *packet, uint8_t b[LINK_STATE_BYTES])
     return body_of(packet->type);
 }
 
-bool link_decode(const uint8_t *b, size_t size, link_packet *out)
+bool ost_link_decode(const uint8_t *b, size_t size, link_packet *out)
 {
     *out = (link_packet){0};
     if (size < AT_BODY || memcmp(b, magic, sizeof magic) != 0 || b[AT_VERSION] != LINK_VERSION)
@@ -127,7 +127,7 @@ struct link_key {
     EVP_MAC_CTX *context;
 };
 
-ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_error *err)
+ost_status ost_link_key_make(const void *bytes, size_t size, link_key **out, ost_error *err)
 {
     *out = NULL;
     if (size < LINK_KEY_MIN || size > LINK_KEY_MAX)
@@ -142,14 +142,14 @@ ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_err
     key->mac = EVP_MAC_fetch(NULL, "HMAC", NULL);
     key->context = key->mac ? EVP_MAC_CTX_new(key->mac) : NULL;
     if (!key->context || EVP_MAC_init(key->context, bytes, size, params) != 1) {
-        link_key_free(key);
+        ost_link_key_free(key);
         return ost_fail(err, OST_ERR_INTERNAL, "libcrypto has no HMAC-SHA-256");
     }
     *out = key;
     return OST_OK;
 }
 
-void link_key_free(link_key *key)
+void ost_link_key_free(link_key *key)
 {
     if (!key)
         return;
@@ -158,7 +158,7 @@ void link_key_free(link_key *key)
     free(key);
 }
 
-ost_status link_key_read(const char *path, link_key **out, ost_error *err)
+ost_status ost_link_key_read(const char *path, link_key **out, ost_error *err)
 {
     uint8_t bytes[LINK_KEY_MAX + 1];
     struct stat st;
@@ -180,7 +180,7 @@ ost_status link_key_read(const char *path, link_key **out, ost_error *err)
         status = ost_fail(err, OST_ERR_IO, "%s: read failed: %s", path, strerror(errno));
     close(fd);
     if (status == OST_OK) {
-        status = link_key_make(bytes, (size_t)size, out, err);
+        status = ost_link_key_make(bytes, (size_t)size, out, err);
         if (status != OST_OK)
             (void)ost_fail_context(err, "%s", path);
     }
@@ -191,23 +191,23 @@ ost_status link_key_read(const char *path, link_key **out, ost_error *err)
 static bool sign(link_key *key, const uint8_t *bytes, size_t size, uint8_t mac[LINK_MAC])
 {
     size_t length = 0;
-    /* If the key is NULL, EVP_MAC_init starts again with the key that was set in link_key_make. */
+    /* If the key is NULL, EVP_MAC_init starts again with the key that was set in ost_link_key_make. */
     return EVP_MAC_init(key->context, NULL, 0, NULL) == 1 && EVP_MAC_update(key->context, bytes, size) == 1 &&
            EVP_MAC_final(key->context, mac, &length, LINK_MAC) == 1 && length == LINK_MAC;
 }
 
-size_t link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES])
+size_t ost_link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES])
 {
-    const size_t body = link_encode(packet, bytes);
+    const size_t body = ost_link_encode(packet, bytes);
     return sign(key, bytes, body, bytes + body) ? body + LINK_MAC : 0;
 }
 
-link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out)
+link_verdict ost_link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out)
 {
     uint8_t mac[LINK_MAC];
     /* The packet's form is checked before the HMAC is computed, so that a flood of malformed packets takes little
        time. */
-    if (size < LINK_MAC || !link_decode(bytes, size - LINK_MAC, out))
+    if (size < LINK_MAC || !ost_link_decode(bytes, size - LINK_MAC, out))
         return LINK_MALFORMED;
     if (!sign(key, bytes, size - LINK_MAC, mac) || CRYPTO_memcmp(mac, bytes + size - LINK_MAC, LINK_MAC) != 0)
         return LINK_WRONG_KEY;
@@ -216,7 +216,7 @@ link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_
 
 /* ---------------------------------------------------------------- numbers */
 
-link_order link_window_add(link_window *w, uint64_t sequence, uint64_t *lost)
+link_order ost_link_window_add(link_window *w, uint64_t sequence, uint64_t *lost)
 {
     *lost = 0;
     if (sequence > w->last) {
@@ -233,7 +233,7 @@ link_order link_window_add(link_window *w, uint64_t sequence, uint64_t *lost)
     return LINK_LATE;
 }
 
-bool link_random(uint64_t *out)
+bool ost_link_random(uint64_t *out)
 {
     *out = 0;
     while (*out == 0)

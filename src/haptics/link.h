@@ -60,31 +60,32 @@ typedef struct link_packet {
 typedef enum link_verdict { LINK_GOOD, LINK_MALFORMED, LINK_WRONG_KEY } link_verdict;
 
 /*
- * link_encode and link_decode convert between a packet and its bytes without the HMAC. link_decode checks the size, the
- * magic number, the version and the type. It also checks that unused flags are 0, and that pose and tool are valid.
+ * ost_link_encode and ost_link_decode convert between a packet and its bytes without the HMAC. ost_link_decode checks
+ * the size, the magic number, the version and the type. It also checks that unused flags are 0, and that pose and tool
+ * are valid.
  */
-size_t link_encode(const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
-bool link_decode(const uint8_t *bytes, size_t size, link_packet *out);
+size_t ost_link_encode(const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
+bool ost_link_decode(const uint8_t *bytes, size_t size, link_packet *out);
 
 /* ------------------------------------------------------------------- keys */
 
 typedef struct link_key link_key;
 
 /*
- * link_key_read reads a key from a file, and link_key_make copies a key from memory. Both return OST_ERR_INPUT if the
- * key has too few or too many bytes. link_key_read returns OST_ERR_USAGE if users other than the file's owner may read
- * the file.
+ * ost_link_key_read reads a key from a file, and ost_link_key_make copies a key from memory. Both return OST_ERR_INPUT
+ * if the key has too few or too many bytes. ost_link_key_read returns OST_ERR_USAGE if users other than the file's
+ * owner may read the file.
  */
-ost_status link_key_read(const char *path, link_key **out, ost_error *err);
-ost_status link_key_make(const void *bytes, size_t size, link_key **out, ost_error *err);
-void link_key_free(link_key *key); /* NULL is allowed */
+ost_status ost_link_key_read(const char *path, link_key **out, ost_error *err);
+ost_status ost_link_key_make(const void *bytes, size_t size, link_key **out, ost_error *err);
+void ost_link_key_free(link_key *key); /* NULL is allowed */
 
 /*
- * link_seal encodes a packet and appends the HMAC; it returns 0 if libcrypto fails. link_unseal checks the HMAC and
- * decodes a packet. A key may be used by only one thread at a time.
+ * ost_link_seal encodes a packet and appends the HMAC; it returns 0 if libcrypto fails. ost_link_unseal checks the HMAC
+ * and decodes a packet. A key may be used by only one thread at a time.
  */
-size_t link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
-link_verdict link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out);
+size_t ost_link_seal(link_key *key, const link_packet *packet, uint8_t bytes[LINK_STATE_BYTES]);
+link_verdict ost_link_unseal(link_key *key, const uint8_t *bytes, size_t size, link_packet *out);
 
 /* ---------------------------------------------------------------- numbers */
 
@@ -102,9 +103,9 @@ typedef enum link_order { LINK_NEW, LINK_LATE, LINK_REPLAYED } link_order;
  * after newer packets, and LINK_REPLAYED if the packet was received before or is too old to be
  * checked.
  */
-link_order link_window_add(link_window *window, uint64_t sequence, uint64_t *lost);
+link_order ost_link_window_add(link_window *window, uint64_t sequence, uint64_t *lost);
 
 /* Reads a random number other than 0 from the system. Returns false if the system provides none. */
-bool link_random(uint64_t *out);
+bool ost_link_random(uint64_t *out);
 
 #endif

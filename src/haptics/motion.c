@@ -40,11 +40,11 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     choice *c = user;
     if (strcmp(key, "scale") == 0)
-        return haptic_number("motion", key, value, 0.1, 1000, &c->percent, err);
+        return ost_haptic_number("motion", key, value, 0.1, 1000, &c->percent, err);
     if (strcmp(key, "gap") == 0)
-        return haptic_integer("motion", key, value, 1, 60000, &c->gap_ms, err);
+        return ost_haptic_integer("motion", key, value, 1, 60000, &c->gap_ms, err);
     if (strcmp(key, "jump") == 0)
-        return haptic_number("motion", key, value, 0.1, 1000, &c->jump_mm, err);
+        return ost_haptic_number("motion", key, value, 0.1, 1000, &c->jump_mm, err);
     return ost_fail(err, OST_ERR_USAGE,
                     "device motion: unknown option '%s'; expected scale (per cent), gap (ms) or jump (mm)", key);
 }
@@ -65,7 +65,7 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
                         "device motion: no file given; expected for example motion:hand.csv,scale=5");
     memcpy(file, options, length);
     file[length] = '\0';
-    ost_status status = options[length] ? haptic_options("motion", options + length + 1, take, &c, err) : OST_OK;
+    ost_status status = options[length] ? ost_haptic_options("motion", options + length + 1, take, &c, err) : OST_OK;
     if (status == OST_OK)
         status = ost_pose_check(&setup->start, err);
     if (status != OST_OK)
@@ -87,7 +87,7 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
     }
     m->t_ns = table.begin_ns;
     m->end_ns = table.end_ns;
-    m->clutch = haptic_clutch_make(&setup->start, c.percent / 100);
+    m->clutch = ost_haptic_clutch_make(&setup->start, c.percent / 100);
     *out = m;
     return OST_OK;
 }
@@ -122,21 +122,21 @@ static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state
         m->row++;
     const ost_tick *a = &ticks[m->row], *b = m->row < last ? a + 1 : a;
     if (t < a->t_ns || (t > a->t_ns && (b == a || b->lifted))) {
-        haptic_clutch_release(&m->clutch);
+        ost_haptic_clutch_release(&m->clutch);
         return OST_HAPTIC_NOT_TRACKED;
     }
     const double share = b == a ? 0 : (double)(t - a->t_ns) / (double)(b->t_ns - a->t_ns);
     double at[3], to[3], from_q[4], to_q[4], q[4];
-    haptic_pose_to_metres(&a->pose, at, from_q);
-    haptic_pose_to_metres(&b->pose, to, to_q);
+    ost_haptic_pose_to_metres(&a->pose, at, from_q);
+    ost_haptic_pose_to_metres(&b->pose, to, to_q);
     for (int i = 0; i < 3; i++)
         at[i] += share * (to[i] - at[i]);
     slerp(from_q, to_q, share, q);
-    *state = (ost_haptic_state){.pose = haptic_clutch_pose(&m->clutch, at, q), .tool = -1};
+    *state = (ost_haptic_state){.pose = ost_haptic_clutch_pose(&m->clutch, at, q), .tool = -1};
     return OST_HAPTIC_FRESH;
 }
 
-const haptic_driver haptic_motion = {
+const haptic_driver ost_haptic_motion = {
     .name = "motion",
     .description = "a recorded motion of a hand: motion:FILE.csv",
     .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_LOGICAL,

@@ -84,13 +84,13 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 static ost_status mouse_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     haptic_instance m = {.input = setup->mouse};
-    ost_status status = haptic_options("mouse", options, take, NULL, err);
+    ost_status status = ost_haptic_options("mouse", options, take, NULL, err);
     if (status != OST_OK)
         return status;
     if (!m.input)
         return ost_fail(err, OST_ERR_USAGE, "device mouse: needs a window; omit --headless");
     const ost_haptic_state *start = latest(m.input);
-    haptic_follow_take(&start->pose, m.tool_pose.at, m.tool_pose.q);
+    ost_haptic_follow_take(&start->pose, m.tool_pose.at, m.tool_pose.q);
     m.tool = start->tool;
     *out = malloc(sizeof **out);
     if (!*out)
@@ -110,7 +110,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     const uint32_t lifts = m->input->lifts[m->input->newest.front];
     const bool lifted = lifts != m->lifts;
     double to[3], toward[4];
-    haptic_follow_take(&input->pose, to, toward);
+    ost_haptic_follow_take(&input->pose, to, toward);
     if (input->tool != m->tool || lifted) {
         /* After a change of tools or a lift, the tool takes its new pose at once, without intermediate steps. */
         memcpy(m->tool_pose.at, to, sizeof to);
@@ -118,8 +118,8 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
         m->tool = input->tool;
         m->lifts = lifts;
     }
-    haptic_follow_tick(&m->tool_pose, to, toward, STEP_M);
-    *state = (ost_haptic_state){.pose = haptic_pose_quantise(m->tool_pose.at, m->tool_pose.q),
+    ost_haptic_follow_tick(&m->tool_pose, to, toward, STEP_M);
+    *state = (ost_haptic_state){.pose = ost_haptic_pose_quantise(m->tool_pose.at, m->tool_pose.q),
                                 .tool = input->tool,
                                 .buttons = input->buttons,
                                 .lifted = lifted};
@@ -133,7 +133,7 @@ static void mouse_write(haptic_instance *instance, const ost_wrench *wrench)
     (void)wrench;
 }
 
-const haptic_driver haptic_mouse = {
+const haptic_driver ost_haptic_mouse = {
     .name = "mouse",
     .description = "the mouse and keys of the simulator's window; forces are displayed",
     .caps = OST_HAPTIC_SHOWN | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,

@@ -17,7 +17,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 
 static ost_status null_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
-    ost_status status = haptic_options("null", options, take, NULL, err);
+    ost_status status = ost_haptic_options("null", options, take, NULL, err);
     if (status == OST_OK)
         status = ost_pose_check(&setup->start, err);
     if (status != OST_OK)
@@ -40,7 +40,7 @@ static ost_haptic_answer null_read(haptic_instance *instance, ost_haptic_state *
     return OST_HAPTIC_FRESH;
 }
 
-const haptic_driver haptic_null = {
+const haptic_driver ost_haptic_null = {
     .name = "null",
     .description = "a tool that does not move",
     .caps = OST_HAPTIC_LOGICAL,

@@ -112,14 +112,14 @@ typedef struct choice {
 static bool openhaptics_usable(char reason[256])
 {
     hd_calls calls;
-    return vendor_load(&library, &calls, reason);
+    return ost_vendor_load(&library, &calls, reason);
 }
 
 static ost_status take(void *user, const char *key, const char *value, ost_error *err)
 {
     choice *c = user;
     if (strcmp(key, "scale") == 0)
-        return haptic_integer("openhaptics", key, value, 1, 1000, &c->percent, err);
+        return ost_haptic_integer("openhaptics", key, value, 1, 1000, &c->percent, err);
     if (strcmp(key, "name") != 0)
         return ost_fail(err, OST_ERR_USAGE, "device openhaptics: unknown option '%s'; expected name or scale", key);
     if (strlen(value) >= NAME)
@@ -153,17 +153,17 @@ static ost_status openhaptics_open(const char *options, const ost_haptic_setup *
     static const int axes[3] = {0, 1, 2};
     choice c = {.percent = 100};
     char reason[256];
-    ost_status status = haptic_options("openhaptics", options, take, &c, err);
+    ost_status status = ost_haptic_options("openhaptics", options, take, &c, err);
     if (status != OST_OK)
         return status;
     haptic_instance *h = calloc(1, sizeof *h);
     if (!h)
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for device openhaptics");
-    if (!vendor_load(&library, &h->hd, reason)) {
+    if (!ost_vendor_load(&library, &h->hd, reason)) {
         free(h);
         return ost_fail(err, OST_ERR_UNAVAILABLE, "device openhaptics: %s", reason);
     }
-    h->workspace = haptic_workspace_make(&setup->start, axes, (double)c.percent / 100);
+    h->workspace = ost_haptic_workspace_make(&setup->start, axes, (double)c.percent / 100);
     h->state.tool = -1;
     h->device = h->hd.init(c.name[0] ? c.name : NULL);
     const hd_error error = h->hd.error();
@@ -202,7 +202,7 @@ static ost_haptic_answer openhaptics_read(haptic_instance *h, ost_haptic_state *
 
 static void openhaptics_write(haptic_instance *h, const ost_wrench *wrench)
 {
-    haptic_workspace_vector(&h->workspace, wrench->force_n, h->force);
+    ost_haptic_workspace_vector(&h->workspace, wrench->force_n, h->force);
 }
 
 /*
@@ -234,7 +234,7 @@ static unsigned frame(void *user)
     /* The matrix is in column-major order. */
     const double at[3] = {m[12] / 1000, m[13] / 1000, m[14] / 1000};
     const double turned[3][3] = {{m[0], m[4], m[8]}, {m[1], m[5], m[9]}, {m[2], m[6], m[10]}};
-    h->state.pose = haptic_workspace_pose(&h->workspace, at, turned);
+    h->state.pose = ost_haptic_workspace_pose(&h->workspace, at, turned);
     h->state.buttons = (uint32_t)buttons;
     memset(h->force, 0, sizeof h->force);
     const bool more = h->beat(h->user);
@@ -283,7 +283,7 @@ static ost_status openhaptics_run(haptic_instance *h, haptic_beat *beat, void *u
                                     "device openhaptics: no call of its servo thread for %d ms", POLL_MS);
 }
 
-const haptic_driver haptic_openhaptics = {
+const haptic_driver ost_haptic_openhaptics = {
     .name = "openhaptics",
     .description = "3D Systems' Touch and Touch X, and the Phantom Omni",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_OWN_CLOCK,

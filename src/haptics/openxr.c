@@ -72,7 +72,7 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 static ost_status openxr_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     bool left = false;
-    ost_status status = haptic_options("openxr", options, take, &left, err);
+    ost_status status = ost_haptic_options("openxr", options, take, &left, err);
     if (status != OST_OK)
         return status;
     if (!setup->hand)
@@ -100,13 +100,13 @@ static ost_haptic_answer openxr_read(haptic_instance *o, ost_haptic_state *state
     o->tracked = sample->tracked;
     if (!sample->tracked)
         return OST_HAPTIC_NOT_TRACKED;
-    haptic_follow_take(&sample->pose, to, toward);
+    ost_haptic_follow_take(&sample->pose, to, toward);
     if (lifted) {
         memcpy(o->tool.at, to, sizeof to);
         memcpy(o->tool.q, toward, sizeof toward);
     }
-    haptic_follow_tick(&o->tool, to, toward, STEP_M);
-    *state = (ost_haptic_state){.pose = haptic_pose_quantise(o->tool.at, o->tool.q),
+    ost_haptic_follow_tick(&o->tool, to, toward, STEP_M);
+    *state = (ost_haptic_state){.pose = ost_haptic_pose_quantise(o->tool.at, o->tool.q),
                                 .tool = -1,
                                 .buttons = sample->buttons,
                                 .lifted = lifted};
@@ -120,7 +120,7 @@ static void openxr_write(haptic_instance *instance, const ost_wrench *wrench)
     (void)wrench;
 }
 
-const haptic_driver haptic_openxr = {
+const haptic_driver ost_haptic_openxr = {
     .name = "openxr",
     .description = "a headset's controller (sim --headset), by OpenXR; forces are displayed",
     .caps = OST_HAPTIC_SHOWN | OST_HAPTIC_ORIENTATION,

@@ -6,7 +6,7 @@
 
 enum { KEY = 24, VALUE = 600 };
 
-ost_status haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err)
+ost_status ost_haptic_options(const char *device, const char *options, haptic_option *take, void *user, ost_error *err)
 {
     for (const char *p = options; *p;) {
         char key[KEY], value[VALUE];
@@ -27,8 +27,8 @@ ost_status haptic_options(const char *device, const char *options, haptic_option
     return OST_OK;
 }
 
-ost_status haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
-                         ost_error *err)
+ost_status ost_haptic_number(const char *device, const char *key, const char *value, double lo, double hi, double *out,
+                             ost_error *err)
 {
     ost_decimal d;
     int64_t millionths = 0;
@@ -41,8 +41,8 @@ ost_status haptic_number(const char *device, const char *key, const char *value,
     return OST_OK;
 }
 
-ost_status haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi, int64_t *out,
-                          ost_error *err)
+ost_status ost_haptic_integer(const char *device, const char *key, const char *value, int64_t lo, int64_t hi,
+                              int64_t *out, ost_error *err)
 {
     ost_decimal d;
     bool exact = false;

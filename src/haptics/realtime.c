@@ -122,7 +122,7 @@ static void pin(int core, realtime_before *before, ost_realtime *out)
     }
 }
 
-void realtime_enter(bool request, int core, realtime_before *before, ost_realtime *out)
+void ost_realtime_enter(bool request, int core, realtime_before *before, ost_realtime *out)
 {
     *before = (realtime_before){0};
     pin(core, before, out);
@@ -139,7 +139,7 @@ void realtime_enter(bool request, int core, realtime_before *before, ost_realtim
     touch_stack();
 }
 
-void realtime_leave(const realtime_before *before)
+void ost_realtime_leave(const realtime_before *before)
 {
     if (before->scheduled) {
         const struct sched_param param = {.sched_priority = before->priority};

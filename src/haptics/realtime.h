@@ -18,9 +18,9 @@ typedef struct realtime_before {
 /*
  * Sets up the calling thread and describes the result in *out. If `request` is false, the function requests neither a
  * priority nor locked memory, and *out records this. If `core` is negative, the thread is not pinned. Afterwards the
- * caller must call realtime_leave on the same thread. realtime_leave restores what realtime_enter changed.
+ * caller must call ost_realtime_leave on the same thread. ost_realtime_leave restores what ost_realtime_enter changed.
  */
-void realtime_enter(bool request, int core, realtime_before *before, ost_realtime *out);
-void realtime_leave(const realtime_before *before);
+void ost_realtime_enter(bool request, int core, realtime_before *before, ost_realtime *out);
+void ost_realtime_leave(const realtime_before *before);
 
 #endif

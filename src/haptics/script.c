@@ -25,7 +25,7 @@ static ost_status make(const char *name, const char *options, haptic_instance **
 {
     char known[8];
     memcpy(known, name, strlen(name) + 1);
-    ost_status status = haptic_options(name, options, no_options, known, err);
+    ost_status status = ost_haptic_options(name, options, no_options, known, err);
     if (status != OST_OK)
         return status;
     *out = calloc(1, sizeof **out);
@@ -84,7 +84,7 @@ static ost_haptic_answer script_read(haptic_instance *instance, ost_haptic_state
     return OST_HAPTIC_FRESH;
 }
 
-const haptic_driver haptic_script = {
+const haptic_driver ost_haptic_script = {
     .name = "script",
     .description = "the rows of a path, one per tick",
     .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL | OST_HAPTIC_LOGICAL,
@@ -93,7 +93,7 @@ const haptic_driver haptic_script = {
     .read = script_read,
 };
 
-const haptic_driver haptic_replay = {
+const haptic_driver ost_haptic_replay = {
     .name = "replay",
     .description = "the ticks of a recorded session",
     .caps = OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL | OST_HAPTIC_LOGICAL,

@@ -274,7 +274,7 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     report->lead_ns = s.options.lead_ns = rehearses ? s.options.lead_ns : 0;
 
     realtime_before before;
-    realtime_enter(!s.options.no_realtime, s.options.pinned ? s.options.core : -1, &before, &report->realtime);
+    ost_realtime_enter(!s.options.no_realtime, s.options.pinned ? s.options.core : -1, &before, &report->realtime);
     const int64_t stolen = stolen_ms();
     ost_status status = OST_OK;
     if (driver->caps & OST_HAPTIC_OWN_CLOCK)
@@ -288,6 +288,6 @@ ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, o
     ost_haptic_write(device, &nothing);
     const int64_t after = stolen_ms();
     report->stolen_ms = stolen < 0 || after < 0 ? -1 : after - stolen;
-    realtime_leave(&before);
+    ost_realtime_leave(&before);
     return status;
 }

@@ -69,11 +69,11 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     choice *c = user;
     if (strcmp(key, "seed") == 0)
-        return haptic_integer("sim", key, value, 0, INT64_MAX, &c->seed, err);
+        return ost_haptic_integer("sim", key, value, 0, INT64_MAX, &c->seed, err);
     if (strcmp(key, "tremor") == 0)
-        return haptic_integer("sim", key, value, 0, 5000, &c->tremor_um, err);
+        return ost_haptic_integer("sim", key, value, 0, 5000, &c->tremor_um, err);
     if (strcmp(key, "friction") == 0)
-        return haptic_integer("sim", key, value, 0, 5000, &c->friction_mn, err);
+        return ost_haptic_integer("sim", key, value, 0, 5000, &c->friction_mn, err);
     if (strcmp(key, "grip") != 0)
         return ost_fail(err, OST_ERR_USAGE, "device sim: unknown option '%s'; expected grip, seed, tremor or friction",
                         key);
@@ -101,7 +101,7 @@ static void sim_close(haptic_instance *instance)
 static ost_status sim_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     choice c = {.hand = grips[1], .seed = 1, .friction_mn = FRICTION_MN};
-    ost_status status = haptic_options("sim", options, take, &c, err);
+    ost_status status = ost_haptic_options("sim", options, take, &c, err);
     if (status != OST_OK)
         return status;
     if (!setup->path || setup->path->count == 0)
@@ -209,7 +209,7 @@ static void sim_write(haptic_instance *s, const ost_wrench *wrench)
         s->force[a] = isfinite(size) ? f[a] * share : 0;
 }
 
-const haptic_driver haptic_sim = {
+const haptic_driver ost_haptic_sim = {
     .name = "sim",
     .description = "a simulated device: mass, friction, encoders, and a hand that follows a path",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL | OST_HAPTIC_LOGICAL,

@@ -81,7 +81,7 @@ struct haptic_instance {
 static bool spnav_usable(char reason[256])
 {
     spnav_calls calls;
-    return vendor_load(&library, &calls, reason);
+    return ost_vendor_load(&library, &calls, reason);
 }
 
 /* Number of open instances. libspnav supports only one connection. */
@@ -93,7 +93,7 @@ static bool spnav_answers(char reason[256])
     spnav_calls calls;
     if (atomic_load(&in_use) > 0)
         return true;
-    if (!vendor_load(&library, &calls, reason))
+    if (!ost_vendor_load(&library, &calls, reason))
         return false;
     const bool answers = calls.open() >= 0;
     if (answers)
@@ -107,11 +107,11 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     choice *c = user;
     if (strcmp(key, "speed") == 0)
-        return haptic_number("spnav", key, value, 0.1, 500, &c->speed_mm, err);
+        return ost_haptic_number("spnav", key, value, 0.1, 500, &c->speed_mm, err);
     if (strcmp(key, "turn") == 0)
-        return haptic_number("spnav", key, value, 0, 720, &c->turn_degrees, err);
+        return ost_haptic_number("spnav", key, value, 0, 720, &c->turn_degrees, err);
     if (strcmp(key, "hold") == 0)
-        return haptic_integer("spnav", key, value, 0, 1, &c->hold, err);
+        return ost_haptic_integer("spnav", key, value, 0, 1, &c->hold, err);
     return ost_fail(err, OST_ERR_USAGE, "device spnav: unknown option '%s'; expected speed, turn or hold", key);
 }
 
@@ -120,7 +120,7 @@ static ost_status spnav_begin(const char *options, const ost_haptic_setup *setup
     static const int axes[3] = {0, 1, 2};
     choice c = {.speed_mm = SPEED_MM, .turn_degrees = TURN_DEGREES};
     char reason[256];
-    ost_status status = haptic_options("spnav", options, take, &c, err);
+    ost_status status = ost_haptic_options("spnav", options, take, &c, err);
     if (status != OST_OK)
         return status;
     haptic_instance *s = calloc(1, sizeof *s);
@@ -128,8 +128,8 @@ static ost_status spnav_begin(const char *options, const ost_haptic_setup *setup
         return ost_fail(err, OST_ERR_MEMORY, "out of memory for device spnav");
     s->how = c;
     s->q[0] = 1;
-    s->workspace = haptic_workspace_make(&setup->start, axes, 1);
-    if (!vendor_load(&library, &s->spnav, reason))
+    s->workspace = ost_haptic_workspace_make(&setup->start, axes, 1);
+    if (!ost_vendor_load(&library, &s->spnav, reason))
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: %s", reason);
     else if (s->spnav.open() < 0)
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "device spnav: spacenavd does not answer; start it first");
@@ -206,11 +206,11 @@ static ost_haptic_answer spnav_read(haptic_instance *s, ost_haptic_state *state)
     turn_on(s->q, by);
     ost_quaternion_matrix(s->q, frame);
     *state = (ost_haptic_state){
-        .pose = haptic_workspace_pose(&s->workspace, s->at, frame), .tool = -1, .buttons = s->buttons};
+        .pose = ost_haptic_workspace_pose(&s->workspace, s->at, frame), .tool = -1, .buttons = s->buttons};
     return OST_HAPTIC_FRESH;
 }
 
-const haptic_driver haptic_spnav = {
+const haptic_driver ost_haptic_spnav = {
     .name = "spnav",
     .description = "3Dconnexion's SpaceMouse, by libspnav; the deflection of its cap sets the speed",
     .caps = OST_HAPTIC_ORIENTATION,

@@ -7,8 +7,9 @@
 #include "haptics/driver.h"
 
 static const haptic_driver *const drivers[] = {
-    &haptic_null,        &haptic_script, &haptic_replay, &haptic_sim,      &haptic_motion, &haptic_mouse,
-    &haptic_openhaptics, &haptic_dhd,    &haptic_spnav,  &haptic_inverse3, &haptic_udp,    &haptic_openxr,
+    &ost_haptic_null,   &ost_haptic_script,   &ost_haptic_replay,      &ost_haptic_sim,
+    &ost_haptic_motion, &ost_haptic_mouse,    &ost_haptic_openhaptics, &ost_haptic_dhd,
+    &ost_haptic_spnav,  &ost_haptic_inverse3, &ost_haptic_udp,         &ost_haptic_openxr,
 };
 
 enum { DRIVERS = sizeof drivers / sizeof drivers[0] };

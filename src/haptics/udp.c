@@ -125,7 +125,7 @@ static void answer(haptic_instance *u, const struct sockaddr_storage *to, sockle
         p.force_un[a] = (int32_t)rint(fmax(-1e9, fmin(1e9, g->wrench.force_n[a] * 1e6)));
         p.torque_unm[a] = (int32_t)rint(fmax(-1e9, fmin(1e9, g->wrench.torque_nm[a] * 1e6)));
     }
-    const size_t length = link_seal(u->key, &p, bytes);
+    const size_t length = ost_link_seal(u->key, &p, bytes);
     /* A state that cannot be sent now is dropped, because the next state will be newer. */
     if (length && sendto(u->socket, bytes, length, MSG_DONTWAIT | MSG_NOSIGNAL, (const struct sockaddr *)to, size) < 0)
         return;
@@ -144,7 +144,7 @@ static bool take_pose(haptic_instance *u, const link_packet *p)
         count(u, OTHERS, 1);
         return false;
     }
-    switch (link_window_add(&u->window, p->sequence, &missing)) {
+    switch (ost_link_window_add(&u->window, p->sequence, &missing)) {
     case LINK_NEW: break;
     case LINK_LATE: count(u, LATE, 1); return false;
     case LINK_REPLAYED: count(u, REPLAYED, 1); return false;
@@ -162,7 +162,7 @@ static void take_packet(haptic_instance *u, const uint8_t *bytes, size_t size, c
                         socklen_t from_size)
 {
     link_packet p;
-    const link_verdict verdict = link_unseal(u->key, bytes, size, &p);
+    const link_verdict verdict = ost_link_unseal(u->key, bytes, size, &p);
     if (verdict != LINK_GOOD || p.type == LINK_STATE) {
         count(u, verdict == LINK_WRONG_KEY ? WRONG_KEY : MALFORMED, 1);
         return;
@@ -214,9 +214,9 @@ static ost_status take(void *user, const char *key, const char *value, ost_error
 {
     choice *c = user;
     if (strcmp(key, "port") == 0)
-        return haptic_integer("udp", key, value, 0, 65535, &c->port, err);
+        return ost_haptic_integer("udp", key, value, 0, 65535, &c->port, err);
     if (strcmp(key, "lost") == 0)
-        return haptic_integer("udp", key, value, 100, 3600000, &c->lost_ms, err);
+        return ost_haptic_integer("udp", key, value, 100, 3600000, &c->lost_ms, err);
     char *text = strcmp(key, "bind") == 0 ? c->bind : strcmp(key, "key") == 0 ? c->key : NULL;
     if (!text)
         return ost_fail(err, OST_ERR_USAGE, "device udp: unknown option '%s'; expected key, port, bind or lost", key);
@@ -265,14 +265,14 @@ static void forget(haptic_instance *u)
         close(u->socket);
     if (u->stop >= 0)
         close(u->stop);
-    link_key_free(u->key);
+    ost_link_key_free(u->key);
     free(u);
 }
 
 static ost_status udp_open(const char *options, const ost_haptic_setup *setup, haptic_instance **out, ost_error *err)
 {
     choice c = {.port = PORT, .lost_ms = LOST_MS, .bind = "127.0.0.1"};
-    ost_status status = haptic_options("udp", options, take, &c, err);
+    ost_status status = ost_haptic_options("udp", options, take, &c, err);
     if (status == OST_OK && !c.key[0])
         status = ost_fail(err, OST_ERR_USAGE, "device udp: missing option key=FILE, the key of the bridge; to create "
                           "one: (umask 077; head -c 32 /dev/urandom >FILE)");
@@ -293,11 +293,11 @@ static ost_status udp_open(const char *options, const ost_haptic_setup *setup, h
     newest_begin(&u->in);
     newest_begin(&u->out);
     u->stop = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-    if (u->stop < 0 || !link_random(&u->simulation))
+    if (u->stop < 0 || !ost_link_random(&u->simulation))
         status = ost_fail(err, OST_ERR_UNAVAILABLE, "device udp: cannot create an eventfd or read a random number: %s",
                           strerror(errno));
     if (status == OST_OK)
-        status = link_key_read(c.key, &u->key, err);
+        status = ost_link_key_read(c.key, &u->key, err);
     if (status == OST_OK)
         status = open_socket(u, &c, err);
     if (status == OST_OK)
@@ -352,7 +352,7 @@ static bool follow(haptic_instance *u, const ost_pose *to)
     }
     for (int i = 0; i < 4; i++)
         turned[i] /= sqrt(length);
-    u->given = haptic_pose_quantise(at, turned);
+    u->given = ost_haptic_pose_quantise(at, turned);
     return true;
 }
 
@@ -418,7 +418,7 @@ static int udp_counts(haptic_instance *u, ost_haptic_tally out[OST_HAPTIC_COUNTS
     return COUNTS;
 }
 
-const haptic_driver haptic_udp = {
+const haptic_driver ost_haptic_udp = {
     .name = "udp",
     .description = "a device on another machine, by osteon bridge there: udp:key=FILE",
     .caps = OST_HAPTIC_FORCE | OST_HAPTIC_ORIENTATION | OST_HAPTIC_TOOL,

@@ -28,7 +28,7 @@ static void *load(const vendor_library *library, const char **name, char reason[
     return NULL;
 }
 
-bool vendor_load(const vendor_library *library, void *table, char reason[256])
+bool ost_vendor_load(const vendor_library *library, void *table, char reason[256])
 {
     const char *name = "";
     void *handle = load(library, &name, reason);

@@ -32,6 +32,6 @@ typedef struct vendor_library {
 } vendor_library;
 
 /* Fills the pointers in `table` and returns true. On failure, returns false and writes the reason. */
-bool vendor_load(const vendor_library *library, void *table, char reason[256]);
+bool ost_vendor_load(const vendor_library *library, void *table, char reason[256]);
 
 #endif

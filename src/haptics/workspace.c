@@ -14,7 +14,7 @@ static void multiply(const double a[3][3], const double b[3][3], double out[3][3
             out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale)
+haptic_workspace ost_haptic_workspace_make(const ost_pose *start, const int axes[3], double scale)
 {
     haptic_workspace w = {
         .scale = scale,
@@ -41,7 +41,7 @@ static bool quantise(double value, double unit, double most, int64_t *out)
     return true;
 }
 
-ost_pose haptic_pose_quantise(const double at[3], const double q[4])
+ost_pose ost_haptic_pose_quantise(const double at[3], const double q[4])
 {
     int64_t t[3], r[4];
     for (int i = 0; i < 3; i++)
@@ -53,7 +53,7 @@ ost_pose haptic_pose_quantise(const double at[3], const double q[4])
     return (ost_pose){{t[0], t[1], t[2]}, (int32_t)r[0], (int32_t)r[1], (int32_t)r[2], (int32_t)r[3]};
 }
 
-ost_pose haptic_workspace_pose(const haptic_workspace *w, const double position[3], const double frame[3][3])
+ost_pose ost_haptic_workspace_pose(const haptic_workspace *w, const double position[3], const double frame[3][3])
 {
     double turned[3][3], m[3][3], columns[3][3], at[3], q[4];
     multiply(w->turn, frame, turned);
@@ -65,10 +65,10 @@ ost_pose haptic_workspace_pose(const haptic_workspace *w, const double position[
             columns[j][i] = m[i][j];
     }
     ost_quaternion_of_columns(columns, q);
-    return haptic_pose_quantise(at, q);
+    return ost_haptic_pose_quantise(at, q);
 }
 
-void haptic_workspace_vector(const haptic_workspace *w, const double bone[3], double device[3])
+void ost_haptic_workspace_vector(const haptic_workspace *w, const double bone[3], double device[3])
 {
     for (int i = 0; i < 3; i++)
         device[i] = w->turn[0][i] * bone[0] + w->turn[1][i] * bone[1] + w->turn[2][i] * bone[2];

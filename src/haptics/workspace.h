@@ -26,19 +26,20 @@ typedef struct haptic_workspace {
  * Creates a mapping. axes[i] is the device axis (0 x, 1 y, 2 z) that becomes the tool's axis i. The axes must form a
  * right-handed frame.
  */
-haptic_workspace haptic_workspace_make(const ost_pose *start, const int axes[3], double scale);
+haptic_workspace ost_haptic_workspace_make(const ost_pose *start, const int axes[3], double scale);
 
 /*
  * Returns the tool's pose for a handle at `position` (m). The matrix frame[row][column] rotates the handle's frame into
  * the device's frame. Returns an invalid pose if a value is not finite or is too large.
  */
-ost_pose haptic_workspace_pose(const haptic_workspace *workspace, const double position[3], const double frame[3][3]);
+ost_pose ost_haptic_workspace_pose(const haptic_workspace *workspace, const double position[3],
+                                   const double frame[3][3]);
 
 /* Converts a position in metres and a quaternion w x y z to an integer pose. The result is invalid
    if a value is not finite or is too large. */
-ost_pose haptic_pose_quantise(const double at[3], const double q[4]);
+ost_pose ost_haptic_pose_quantise(const double at[3], const double q[4]);
 
 /* Rotates a vector, for example a force or torque, from the bone's frame to the device's frame. */
-void haptic_workspace_vector(const haptic_workspace *workspace, const double bone[3], double device[3]);
+void ost_haptic_workspace_vector(const haptic_workspace *workspace, const double bone[3], double device[3]);
 
 #endif

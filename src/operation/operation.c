@@ -325,21 +325,21 @@ static bool hand_of(ost_operation *o, uint32_t active_actions, uint32_t pressed,
                       o->options.home.qw | o->options.home.qx | o->options.home.qy | o->options.home.qz;
     const bool stays = is(active_actions, OST_ACTION_CLUTCH) && o->moved;
     if ((home || stays) && !o->clutched) {
-        o->clutch = haptic_clutch_make(o->moved ? &o->hand : pose, 1);
+        o->clutch = ost_haptic_clutch_make(o->moved ? &o->hand : pose, 1);
         o->clutch.laid = o->clutched = true; /* the axes of the device are not rotated */
     }
     if (home) {
-        haptic_clutch_engage_at(&o->clutch, &o->options.home);
+        ost_haptic_clutch_engage_at(&o->clutch, &o->options.home);
         o->hand = o->options.home;
         *put = true;
     }
     if (stays) {
-        haptic_clutch_release(&o->clutch);
+        ost_haptic_clutch_release(&o->clutch);
         *pose = o->hand;
         return false;
     }
     if (o->clutched)
-        *pose = haptic_clutch_follow(&o->clutch, pose);
+        *pose = ost_haptic_clutch_follow(&o->clutch, pose);
     return true;
 }
 

@@ -15,16 +15,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     link_packet p;
     uint8_t again[LINK_STATE_BYTES];
     if (!key)
-        fuzz_require(link_key_make(secret, sizeof secret, &key, NULL) == OST_OK);
-    if (link_decode(data, size, &p)) {
+        fuzz_require(ost_link_key_make(secret, sizeof secret, &key, NULL) == OST_OK);
+    if (ost_link_decode(data, size, &p)) {
         fuzz_require(p.type >= LINK_HELLO && p.type <= LINK_STATE && p.tool >= -1);
         fuzz_require(p.type != LINK_STATE || ost_pose_check(&p.pose, NULL) == OST_OK);
         fuzz_require(!(p.type == LINK_POSE && (p.flags & LINK_SEEN)) || ost_pose_check(&p.pose, NULL) == OST_OK);
-        fuzz_require(link_encode(&p, again) == size && memcmp(again, data, size) == 0);
-        fuzz_require(link_seal(key, &p, again) == size + LINK_MAC);
-        fuzz_require(link_unseal(key, again, size + LINK_MAC, &p) == LINK_GOOD);
+        fuzz_require(ost_link_encode(&p, again) == size && memcmp(again, data, size) == 0);
+        fuzz_require(ost_link_seal(key, &p, again) == size + LINK_MAC);
+        fuzz_require(ost_link_unseal(key, again, size + LINK_MAC, &p) == LINK_GOOD);
     }
-    fuzz_require(link_unseal(key, data, size, &p) != LINK_GOOD);
+    fuzz_require(ost_link_unseal(key, data, size, &p) != LINK_GOOD);
     return 0;
 }
 
@@ -41,7 +41,7 @@ size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity)
                            .simulation = index % 3 ? 6 : 0,
                            .sequence = 7,
                            .pose = {.t = {1, -2, 3}, .qw = OST_Q30_ONE}};
-    const size_t size = link_encode(&p, bytes);
+    const size_t size = ost_link_encode(&p, bytes);
     memset(bytes + size, 0x55, LINK_STATE_BYTES - size);
     return index < 3 ? size : size + LINK_MAC;
 }

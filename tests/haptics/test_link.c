@@ -52,7 +52,7 @@ static link_key *key_from(int first)
     link_key *key;
     for (int i = 0; i < 32; i++)
         bytes[i] = (uint8_t)(first + i);
-    assert_ok(link_key_make(bytes, sizeof bytes, &key, &err));
+    assert_ok(ost_link_key_make(bytes, sizeof bytes, &key, &err));
     return key;
 }
 
@@ -67,19 +67,19 @@ static void bytes_are_as_documented(void **state)
         uint8_t bytes[LINK_STATE_BYTES];
         char text[2 * LINK_STATE_BYTES + 1];
         const link_packet p = golden(types[i]);
-        assert_int_equal(link_seal(key, &p, bytes), sizes[i]);
+        assert_int_equal(ost_link_seal(key, &p, bytes), sizes[i]);
         for (size_t b = 0; b < sizes[i]; b++)
             snprintf(text + 2 * b, 3, "%02x", bytes[b]);
         assert_string_equal(text, hex[i]);
         link_packet back;
-        assert_int_equal(link_unseal(key, bytes, sizes[i], &back), LINK_GOOD);
+        assert_int_equal(ost_link_unseal(key, bytes, sizes[i], &back), LINK_GOOD);
         /* The encodings are compared instead of the structs, because padding between the members of a struct is
            undefined. */
         uint8_t again[LINK_STATE_BYTES] = {0}, first[LINK_STATE_BYTES] = {0};
-        assert_int_equal(link_encode(&back, again), link_encode(&p, first));
+        assert_int_equal(ost_link_encode(&back, again), ost_link_encode(&p, first));
         assert_memory_equal(again, first, sizeof first);
     }
-    link_key_free(key);
+    ost_link_key_free(key);
 }
 
 static void invalid_packets_are_refused(void **state)
@@ -90,45 +90,45 @@ static void invalid_packets_are_refused(void **state)
     for (int i = 0; i < 2; i++) {
         uint8_t bytes[LINK_STATE_BYTES + 1] = {0};
         link_packet p = golden(types[i]), back;
-        const size_t size = link_seal(key, &p, bytes);
-        assert_int_equal(link_unseal(other, bytes, size, &back), LINK_WRONG_KEY);
+        const size_t size = ost_link_seal(key, &p, bytes);
+        assert_int_equal(ost_link_unseal(other, bytes, size, &back), LINK_WRONG_KEY);
         /* Changing any bit makes the packet invalid. */
         for (size_t bit = 0; bit < size * 8; bit++) {
             bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
-            assert_int_not_equal(link_unseal(key, bytes, size, &back), LINK_GOOD);
+            assert_int_not_equal(ost_link_unseal(key, bytes, size, &back), LINK_GOOD);
             bytes[bit / 8] ^= (uint8_t)(1 << bit % 8);
         }
         for (size_t n = 0; n < size; n++)
-            assert_int_equal(link_unseal(key, bytes, n, &back), LINK_MALFORMED);
-        assert_int_equal(link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
+            assert_int_equal(ost_link_unseal(key, bytes, n, &back), LINK_MALFORMED);
+        assert_int_equal(ost_link_unseal(key, bytes, size + 1, &back), LINK_MALFORMED);
         /*
          * These packets are signed correctly but have invalid contents: a quaternion that is not a
          * rotation, a position beyond 8 m, an unknown flag or type, or an invalid tool number.
          */
         link_packet bad = p;
         bad.pose.qw = 0;
-        assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
+        assert_int_equal(ost_link_unseal(key, bytes, ost_link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
         bad = p;
         bad.pose.t.y = OST_LENGTH_MAX + 1;
-        assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
+        assert_int_equal(ost_link_unseal(key, bytes, ost_link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
         bad = p;
         bad.flags |= 0x100;
-        assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
+        assert_int_equal(ost_link_unseal(key, bytes, ost_link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
         bad = p;
         bad.type = 4;
-        assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
+        assert_int_equal(ost_link_unseal(key, bytes, ost_link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
     }
     link_packet bad = golden(LINK_POSE), back;
     uint8_t bytes[LINK_STATE_BYTES];
     bad.tool = -2;
-    assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
+    assert_int_equal(ost_link_unseal(key, bytes, ost_link_seal(key, &bad, bytes), &back), LINK_MALFORMED);
     /* If the tool is not held, its pose is not checked. */
     bad = golden(LINK_POSE);
     bad.flags = 0;
     bad.pose.qw = 0;
-    assert_int_equal(link_unseal(key, bytes, link_seal(key, &bad, bytes), &back), LINK_GOOD);
-    link_key_free(key);
-    link_key_free(other);
+    assert_int_equal(ost_link_unseal(key, bytes, ost_link_seal(key, &bad, bytes), &back), LINK_GOOD);
+    ost_link_key_free(key);
+    ost_link_key_free(other);
 }
 
 static void key_files(void **state)
@@ -140,20 +140,20 @@ static void key_files(void **state)
     static uint8_t bytes[5000];
     const char *file = scratch_write(folder, "open.key", bytes, 32);
     assert_int_equal(chmod(file, 0640), 0);
-    assert_int_equal(link_key_read(file, &key, &err), OST_ERR_USAGE);
+    assert_int_equal(ost_link_key_read(file, &key, &err), OST_ERR_USAGE);
     assert_non_null(strstr(err.text, "open.key: other users can read this key"));
     assert_int_equal(chmod(file, 0600), 0);
-    assert_ok(link_key_read(file, &key, &err));
-    link_key_free(key);
+    assert_ok(ost_link_key_read(file, &key, &err));
+    ost_link_key_free(key);
     file = scratch_write(folder, "short.key", bytes, 15);
     assert_int_equal(chmod(file, 0600), 0);
-    assert_int_equal(link_key_read(file, &key, &err), OST_ERR_INPUT);
+    assert_int_equal(ost_link_key_read(file, &key, &err), OST_ERR_INPUT);
     assert_non_null(strstr(err.text, "short.key: the key has 15 bytes; expected 16 to 4096"));
     file = scratch_write(folder, "long.key", bytes, 5000);
     assert_int_equal(chmod(file, 0600), 0);
-    assert_int_equal(link_key_read(file, &key, &err), OST_ERR_INPUT);
+    assert_int_equal(ost_link_key_read(file, &key, &err), OST_ERR_INPUT);
     assert_null(key);
-    assert_int_equal(link_key_read("/nowhere/a.key", &key, &err), OST_ERR_IO);
+    assert_int_equal(ost_link_key_read("/nowhere/a.key", &key, &err), OST_ERR_IO);
     assert_non_null(strstr(err.text, "to create a key"));
     scratch_remove(folder);
 }
@@ -163,23 +163,23 @@ static void sequence_numbers_are_classified(void **state)
     (void)state;
     link_window w = {0};
     uint64_t lost;
-    assert_int_equal(link_window_add(&w, 1, &lost), LINK_NEW);
+    assert_int_equal(ost_link_window_add(&w, 1, &lost), LINK_NEW);
     assert_int_equal(lost, 0);
-    assert_int_equal(link_window_add(&w, 1, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, 5, &lost), LINK_NEW);
+    assert_int_equal(ost_link_window_add(&w, 1, &lost), LINK_REPLAYED);
+    assert_int_equal(ost_link_window_add(&w, 5, &lost), LINK_NEW);
     assert_int_equal(lost, 3);
-    assert_int_equal(link_window_add(&w, 3, &lost), LINK_LATE);
-    assert_int_equal(link_window_add(&w, 3, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, 68, &lost), LINK_NEW);
-    assert_int_equal(link_window_add(&w, 5, &lost), LINK_REPLAYED);
+    assert_int_equal(ost_link_window_add(&w, 3, &lost), LINK_LATE);
+    assert_int_equal(ost_link_window_add(&w, 3, &lost), LINK_REPLAYED);
+    assert_int_equal(ost_link_window_add(&w, 5, &lost), LINK_REPLAYED);
+    assert_int_equal(ost_link_window_add(&w, 68, &lost), LINK_NEW);
+    assert_int_equal(ost_link_window_add(&w, 5, &lost), LINK_REPLAYED);
     /* A packet whose sequence number is 64 behind the newest is treated as a duplicate. */
-    assert_int_equal(link_window_add(&w, 4, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, 6, &lost), LINK_LATE);
-    assert_int_equal(link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);
+    assert_int_equal(ost_link_window_add(&w, 4, &lost), LINK_REPLAYED);
+    assert_int_equal(ost_link_window_add(&w, 6, &lost), LINK_LATE);
+    assert_int_equal(ost_link_window_add(&w, UINT64_MAX, &lost), LINK_NEW);
     assert_int_equal(lost, UINT64_MAX - 69);
-    assert_int_equal(link_window_add(&w, 0, &lost), LINK_REPLAYED);
-    assert_int_equal(link_window_add(&w, UINT64_MAX - 63, &lost), LINK_LATE);
+    assert_int_equal(ost_link_window_add(&w, 0, &lost), LINK_REPLAYED);
+    assert_int_equal(ost_link_window_add(&w, UINT64_MAX - 63, &lost), LINK_LATE);
 }
 
 static void plane_never_attracts_the_device(void **state)
@@ -190,20 +190,21 @@ static void plane_never_attracts_the_device(void **state)
     double f[3];
     s.pose.t = (ost_pm3){0, 0, OST_PM_PER_MM};
     memcpy(s.force_un, (int32_t[3]){0, 0, 2000000}, sizeof s.force_un);
-    bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){0}, 1000, f);
+    ost_bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){0}, 1000, f);
     assert_true(f[0] == 0 && f[1] == 0 && fabs(f[2] - 2) < 1e-12);
     /* The device is 2 mm deeper than in the state and displaced along the plane. */
-    bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f);
+    ost_bridge_press(&s, (double[3]){0.5, -0.2, -1e-3}, (double[3]){0}, 1000, f);
     assert_true(fabs(f[2] - 2.6) < 1e-9 && f[0] == 0);
     /* The device moves inward at 0.2 m/s. */
-    bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f);
+    ost_bridge_press(&s, (double[3]){0, 0, 1e-3}, (double[3]){1, 0, -0.2}, 1000, f);
     assert_true(fabs(f[2] - 2.1) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* The device allows only 100 N/m. */
+    ost_bridge_press(&s, (double[3]){0, 0, -1e-3}, (double[3]){0}, 100, f); /* The device allows only 100 N/m. */
     assert_true(fabs(f[2] - 2.2) < 1e-9);
-    bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f); /* The device is outside the bone. */
+    /* The device is outside the bone. */
+    ost_bridge_press(&s, (double[3]){0, 0, 1e-3 + 0.0067}, (double[3]){0}, 1000, f);
     assert_true(f[2] == 0);
     memset(s.force_un, 0, sizeof s.force_un);
-    bridge_press(&s, (double[3]){0, 0, -1}, (double[3]){0}, 1000, f);
+    ost_bridge_press(&s, (double[3]){0, 0, -1}, (double[3]){0}, 1000, f);
     assert_true(f[0] == 0 && f[1] == 0 && f[2] == 0);
 }
 
@@ -245,7 +246,7 @@ static double range_with_delay(int delay, bool plane)
         const link_packet *came = &states[(i + LATE_MOST - delay) % LATE_MOST];
         ost_wrench w = {{0}, {0}};
         if (plane) {
-            bridge_press(came, (double[3]){0, 0, z}, (double[3]){0, 0, speed}, 700, w.force_n);
+            ost_bridge_press(came, (double[3]){0, 0, z}, (double[3]){0, 0, speed}, 700, w.force_n);
             ost_safety_step(&safety, &hand.pose, true, 0, 1e-3, w.force_n, w.torque_nm);
         } else {
             w.force_n[2] = came->force_un[2] * 1e-6;

@@ -33,10 +33,10 @@ static int begin(void **state)
     folder = scratch_folder();
     memset(bytes, 7, sizeof bytes);
     snprintf(key_file, sizeof key_file, "%s", scratch_write(folder, "k", bytes, sizeof bytes));
-    assert_ok(link_key_make(bytes, sizeof bytes, &key, &err));
+    assert_ok(ost_link_key_make(bytes, sizeof bytes, &key, &err));
     memset(bytes, 8, sizeof bytes);
     snprintf(other_file, sizeof other_file, "%s", scratch_write(folder, "o", bytes, sizeof bytes));
-    assert_ok(link_key_make(bytes, sizeof bytes, &other, &err));
+    assert_ok(ost_link_key_make(bytes, sizeof bytes, &other, &err));
     assert_int_equal(chmod(key_file, 0600), 0);
     assert_int_equal(chmod(other_file, 0600), 0);
     return 0;
@@ -45,8 +45,8 @@ static int begin(void **state)
 static int end(void **state)
 {
     (void)state;
-    link_key_free(key);
-    link_key_free(other);
+    ost_link_key_free(key);
+    ost_link_key_free(other);
     scratch_remove(folder);
     return 0;
 }
@@ -98,7 +98,7 @@ static int connect_to(const char *where)
 static void send_sealed(int s, link_key *with, const link_packet *p)
 {
     uint8_t bytes[LINK_STATE_BYTES];
-    const size_t size = link_seal(with, p, bytes);
+    const size_t size = ost_link_seal(with, p, bytes);
     assert_int_equal(send(s, bytes, size, 0), size);
 }
 
@@ -109,7 +109,7 @@ static link_packet answer(int s)
     struct pollfd wait = {.fd = s, .events = POLLIN};
     assert_int_equal(poll(&wait, 1, ANSWER_MS), 1);
     const ssize_t size = recv(s, bytes, sizeof bytes, 0);
-    assert_int_equal(link_unseal(key, bytes, (size_t)size, &p), LINK_GOOD);
+    assert_int_equal(ost_link_unseal(key, bytes, (size_t)size, &p), LINK_GOOD);
     assert_int_equal(p.type, LINK_STATE);
     return p;
 }
@@ -218,7 +218,7 @@ static void dropped_packets_are_counted(void **state)
      * random bytes and valid packets alternately. The valid packets must be accepted.
      */
     uint8_t bytes[2000];
-    const size_t size = link_seal(key, &p, bytes);
+    const size_t size = ost_link_seal(key, &p, bytes);
     uint64_t malformed = 0;
     for (size_t n = 0; n < size; n += 13, malformed++)
         assert_int_equal(send(c.socket, bytes, n, 0), n);
@@ -233,7 +233,7 @@ static void dropped_packets_are_counted(void **state)
         for (size_t b = 0; b < n; b++)
             bytes[b] = (uint8_t)rng_next(&rng);
         if (i % 3 == 0)
-            link_encode(&p, bytes);
+            ost_link_encode(&p, bytes);
         if (send(c.socket, bytes, n, 0) < 0)
             assert_int_equal(errno, ENOBUFS);
         if (i % 50 == 0) { /* The device is read often enough for all packets to fit in the socket's buffer. */
@@ -401,7 +401,7 @@ static void *run_stand_in(void *user)
         if (poll(&wait, 1, 20) != 1)
             continue;
         const ssize_t size = recvfrom(s->socket, bytes, sizeof bytes, 0, (struct sockaddr *)&from, &from_size);
-        if (size < 0 || link_unseal(key, bytes, (size_t)size, &p) != LINK_GOOD)
+        if (size < 0 || ost_link_unseal(key, bytes, (size_t)size, &p) != LINK_GOOD)
             continue;
         if (p.type == LINK_HELLO) {
             /*
@@ -443,7 +443,7 @@ static void *run_stand_in(void *user)
                              .force_un = {0, 0, 1500000},
                              .stiffness = 300000,
                              .damping = 500};
-        const size_t length = link_seal(key, &state, bytes);
+        const size_t length = ost_link_seal(key, &state, bytes);
         if (sendto(s->socket, bytes, length, 0, (struct sockaddr *)&from, from_size) < 0)
             break;
     }
@@ -499,7 +499,7 @@ static ost_status run_bridge(const char *to, const char *with, uint64_t ticks, o
     ost_haptic *device = a_hand(&path);
     const bridge_options options = {
         .to = to, .key = with, .ticks = ticks, .patience_ms = with == key_file ? 0 : 300, .no_realtime = true};
-    const ost_status status = bridge_run(device, &options, &report, err);
+    const ost_status status = ost_bridge_run(device, &options, &report, err);
     ost_haptic_close(device);
     ost_path_free(&path);
     return status;

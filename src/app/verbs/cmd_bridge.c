@@ -2,7 +2,7 @@
 /*
  * Implements `osteon bridge`: the remote end of `osteon sim --device udp`.
  *
- *   device <-- ost_servo_run, here --> bridge_run <--packets--> osteon sim, on the other machine
+ *   device <-- ost_servo_run, here --> ost_bridge_run <--packets--> osteon sim, on the other machine
  */
 #include <stdlib.h>
 #include <string.h>
@@ -103,7 +103,7 @@ static ost_status run(app_state *app, const bridge_args *args, uint64_t ticks, o
                                         .no_realtime = args->no_realtime,
                                         .stop_requested = interrupt_requested};
         interrupt_begin();
-        status = bridge_run(device, &options, r, err);
+        status = ost_bridge_run(device, &options, r, err);
         interrupt_end();
     }
     if (status == OST_OK)
