@@ -34,7 +34,7 @@ typedef struct frame {
 
 /* ------------------------------------------------------------------- cells */
 
-ost_status anatomy_cells_make(const anatomy_field *f, anatomy_cells *out, ost_error *err)
+ost_status ost_anatomy_cells_make(const anatomy_field *f, anatomy_cells *out, ost_error *err)
 {
     const size_t cells = (size_t)f->n[0] * (size_t)f->n[1] * (size_t)f->n[2];
     size_t count = 0;
@@ -61,7 +61,7 @@ ost_status anatomy_cells_make(const anatomy_field *f, anatomy_cells *out, ost_er
     return OST_OK;
 }
 
-void anatomy_cells_free(anatomy_cells *cells)
+void ost_anatomy_cells_free(anatomy_cells *cells)
 {
     free(cells->at);
     *cells = (anatomy_cells){.at = NULL};
@@ -320,8 +320,8 @@ static bool find_trigonum(const anatomy_cells *cells, const frame *f, const cres
 
 /* ----------------------------------------------------------------- public */
 
-ost_status anatomy_blade_find(const anatomy_cells *cells, const double centre[3], const double inward[3], double step,
-                              anatomy_blade *out, ost_error *err)
+ost_status ost_anatomy_blade_find(const anatomy_cells *cells, const double centre[3], const double inward[3],
+                                  double step, anatomy_blade *out, ost_error *err)
 {
     frame f;
     size_t farthest = 0;

@@ -34,14 +34,14 @@ typedef struct anatomy_blade {
 } anatomy_blade;
 
 /* Lists the cells whose share of bone is at least 0.3. Returns OST_ERR_INPUT if there are more than 2^21 such cells. */
-ost_status anatomy_cells_make(const anatomy_field *field, anatomy_cells *out, ost_error *err);
-void anatomy_cells_free(anatomy_cells *cells);
+ost_status ost_anatomy_cells_make(const anatomy_field *field, anatomy_cells *out, ost_error *err);
+void ost_anatomy_cells_free(anatomy_cells *cells);
 
 /*
  * Finds the landmarks of the blade. `centre` and `inward` are the centre and the inward axis of the glenoid's
  * face. Returns OST_ERR_INPUT with the reason if a landmark is not found.
  */
-ost_status anatomy_blade_find(const anatomy_cells *cells, const double centre[3], const double inward[3], double step,
-                              anatomy_blade *out, ost_error *err);
+ost_status ost_anatomy_blade_find(const anatomy_cells *cells, const double centre[3], const double inward[3],
+                                  double step, anatomy_blade *out, ost_error *err);
 
 #endif

@@ -45,7 +45,7 @@ static double surface_along(const anatomy_field *f, double level, const double f
     double before = 0;
     for (double w = FRONT_MM; w < BACK_MM; w += RAY_MM) {
         const double p[3] = {from[0] + w * inward[0], from[1] + w * inward[1], from[2] + w * inward[2]};
-        const double share = anatomy_field_at(f, p);
+        const double share = ost_anatomy_field_at(f, p);
         if (share >= level)
             return before < level && w > FRONT_MM ? w - RAY_MM * (share - level) / (share - before) : w;
         before = share;
@@ -100,7 +100,7 @@ static double median5(double v[5])
  * five adjacent directions (OUTLIER_MM). The tolerance is halved if the surface climbs to another part of the bone in
  * this direction, such as the root of the coracoid.
  */
-void anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
+void ost_anatomy_face_rim(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
 {
     double u[3], v[3], c = 1, s = 0, r[WAYS];
     int seen = 0, used = 0;
@@ -168,12 +168,12 @@ static bool onto_surface(const anatomy_field *f, double level, const double from
     return w > FRONT_MM && w < BACK_MM;
 }
 
-bool anatomy_face_find(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
+bool ost_anatomy_face_find(const anatomy_field *f, const anatomy_variant *variant, anatomy_face *face)
 {
     for (int round = 0; round < ROUNDS; round++) {
         double normal[3], middle[3] = {0};
         int pairs = 0;
-        anatomy_face_rim(f, variant, face);
+        ost_anatomy_face_rim(f, variant, face);
         if (face->seen_share < 0.5 || !fit_plane(face, normal))
             return false;
         for (int k = 0; k < WAYS / 2; k++)
@@ -261,8 +261,8 @@ static void measure_plane(anatomy_face *face)
     face->residual = variance > 0 ? sqrt(variance) : 0;
 }
 
-bool anatomy_face_align(const anatomy_field *f, const anatomy_variant *variant, const double superior[3],
-                        anatomy_face *face, double *height, double *width)
+bool ost_anatomy_face_align(const anatomy_field *f, const anatomy_variant *variant, const double superior[3],
+                            anatomy_face *face, double *height, double *width)
 {
     for (int round = 0; round < 3; round++) {
         double way[2][3], chord[2][3], extent[2];
@@ -273,7 +273,7 @@ bool anatomy_face_align(const anatomy_field *f, const anatomy_variant *variant, 
         ost_vector_cross(way[0], face->inward, way[1]);
         if (!centre_on_extents(f, variant->level, way, face, extent))
             return false;
-        anatomy_face_rim(f, variant, face);
+        ost_anatomy_face_rim(f, variant, face);
         *height = extent[0];
         *width = extent[1];
         if (face->seen_share < 0.5 || !mean_chord(face, way[0], chord[0]) || !mean_chord(face, way[1], chord[1]))

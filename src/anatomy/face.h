@@ -38,9 +38,9 @@ typedef struct anatomy_face {
  * Finds the face near face->centre, viewed along face->inward, and replaces both with the exact centre and axis.
  * Returns false if the rim cannot be found in half of the directions.
  */
-bool anatomy_face_find(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
+bool ost_anatomy_face_find(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
 /* Finds the rim around face->centre, a position on the face. Does not change face->centre and face->inward. */
-void anatomy_face_rim(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
+void ost_anatomy_face_rim(const anatomy_field *field, const anatomy_variant *variant, anatomy_face *face);
 /*
  * Moves the centre to the middle of the rim's extents along and across the direction `superior`, and stores these
  * extents in *height and *width. Makes the axis perpendicular to two mean chords of the rim. The chord along `superior`
@@ -48,7 +48,7 @@ void anatomy_face_rim(const anatomy_field *field, const anatomy_variant *variant
  *
  * Returns false if the rim is not found on both sides, or if the axis meets no bone.
  */
-bool anatomy_face_align(const anatomy_field *field, const anatomy_variant *variant, const double superior[3],
-                        anatomy_face *face, double *height, double *width);
+bool ost_anatomy_face_align(const anatomy_field *field, const anatomy_variant *variant, const double superior[3],
+                            anatomy_face *face, double *height, double *width);
 
 #endif

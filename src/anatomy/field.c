@@ -47,8 +47,8 @@ static void count_blocks(const ost_anatomy_bone *bone, const int32_t first[3], c
             }
 }
 
-ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *box, double step, anatomy_field *out,
-                              ost_error *err)
+ost_status ost_anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *box, double step, anatomy_field *out,
+                                  ost_error *err)
 {
     const ost_geometry *g = &bone->volume->geometry;
     const double spacing[3] = {ost_pm_to_mm(g->spacing.x), ost_pm_to_mm(g->spacing.y), ost_pm_to_mm(g->spacing.z)};
@@ -88,7 +88,7 @@ ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *b
     return OST_OK;
 }
 
-void anatomy_field_free(anatomy_field *field)
+void ost_anatomy_field_free(anatomy_field *field)
 {
     free(field->share);
     field->share = NULL;
@@ -96,7 +96,7 @@ void anatomy_field_free(anatomy_field *field)
 
 /* ------------------------------------------------------------------- fill */
 
-ost_status anatomy_field_fill(anatomy_field *f, ost_error *err)
+ost_status ost_anatomy_field_fill(anatomy_field *f, ost_error *err)
 {
     const size_t cells = (size_t)f->n[0] * (size_t)f->n[1] * (size_t)f->n[2];
     bool *outside = calloc(cells, sizeof *outside);
@@ -145,7 +145,7 @@ ost_status anatomy_field_fill(anatomy_field *f, ost_error *err)
 
 /* ----------------------------------------------------------------- smooth */
 
-ost_status anatomy_field_smooth(anatomy_field *f, ost_error *err)
+ost_status ost_anatomy_field_smooth(anatomy_field *f, ost_error *err)
 {
     const size_t cells = (size_t)f->n[0] * (size_t)f->n[1] * (size_t)f->n[2];
     const size_t stride[3] = {1, (size_t)f->n[0], (size_t)f->n[0] * (size_t)f->n[1]};
@@ -172,7 +172,7 @@ ost_status anatomy_field_smooth(anatomy_field *f, ost_error *err)
 
 /* ---------------------------------------------------------------- samples */
 
-double anatomy_field_at(const anatomy_field *f, const double at[3])
+double ost_anatomy_field_at(const anatomy_field *f, const double at[3])
 {
     int32_t cell[3];
     double t[3], sum = 0;
@@ -199,12 +199,12 @@ double anatomy_field_at(const anatomy_field *f, const double at[3])
     return sum;
 }
 
-void anatomy_field_gradient(const anatomy_field *f, const double at[3], double out[3])
+void ost_anatomy_field_gradient(const anatomy_field *f, const double at[3], double out[3])
 {
     for (int a = 0; a < 3; a++) {
         double before[3] = {at[0], at[1], at[2]}, after[3] = {at[0], at[1], at[2]};
         before[a] -= f->step[a];
         after[a] += f->step[a];
-        out[a] = (anatomy_field_at(f, after) - anatomy_field_at(f, before)) / (2 * f->step[a]);
+        out[a] = (ost_anatomy_field_at(f, after) - ost_anatomy_field_at(f, before)) / (2 * f->step[a]);
     }
 }

@@ -28,20 +28,20 @@ typedef struct anatomy_box {
  * complete voxels about `step` mm wide. The cells are made wider if there would otherwise be more than 2^24 cells.
  * Returns OST_ERR_INPUT if the box contains no voxel.
  */
-ost_status anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *box, double step, anatomy_field *out,
-                              ost_error *err);
-void anatomy_field_free(anatomy_field *field);
+ost_status ost_anatomy_field_make(const ost_anatomy_bone *bone, const anatomy_box *box, double step, anatomy_field *out,
+                                  ost_error *err);
+void ost_anatomy_field_free(anatomy_field *field);
 
 /*
  * Fills the cavities of the bone. A cavity is a connected set of cells with shares below 0.5 that does not reach the
  * border of the field. Sets the share of each cell of a cavity to 1.
  */
-ost_status anatomy_field_fill(anatomy_field *field, ost_error *err);
+ost_status ost_anatomy_field_fill(anatomy_field *field, ost_error *err);
 /*
  * Smooths the field along each axis with the weights 1/4, 1/2, 1/4. Axes whose cells are more than 1.5 times as wide
  * as the narrowest cells are skipped.
  */
-ost_status anatomy_field_smooth(anatomy_field *field, ost_error *err);
+ost_status ost_anatomy_field_smooth(anatomy_field *field, ost_error *err);
 
 static inline size_t anatomy_field_index(const anatomy_field *f, int32_t x, int32_t y, int32_t z)
 {
@@ -49,9 +49,9 @@ static inline size_t anatomy_field_index(const anatomy_field *f, int32_t x, int3
 }
 
 /* Returns the share at a point by trilinear interpolation. Outside the field, the share is 0. */
-double anatomy_field_at(const anatomy_field *field, const double at[3]);
+double ost_anatomy_field_at(const anatomy_field *field, const double at[3]);
 /* Computes the gradient at a point, per mm, by central differences over one cell on each side. */
-void anatomy_field_gradient(const anatomy_field *field, const double at[3], double out[3]);
+void ost_anatomy_field_gradient(const anatomy_field *field, const double at[3], double out[3]);
 
 /* Returns floor(v), for |v| < 2^53. */
 static inline int64_t anatomy_floor(double v)

@@ -44,22 +44,22 @@ typedef struct proposal {
 static ost_status coarse_make(const ost_anatomy_bone *bone, double step, coarse *out, ost_error *err)
 {
     *out = (coarse){.step = step};
-    ost_status status = anatomy_field_make(bone, NULL, step, &out->field, err);
+    ost_status status = ost_anatomy_field_make(bone, NULL, step, &out->field, err);
     if (status == OST_OK)
-        status = anatomy_field_fill(&out->field, err);
+        status = ost_anatomy_field_fill(&out->field, err);
     if (status == OST_OK)
-        status = anatomy_cells_make(&out->field, &out->cells, err);
+        status = ost_anatomy_cells_make(&out->field, &out->cells, err);
     if (status == OST_OK && out->cells.count < 100)
         status = ost_fail(err, OST_ERR_INPUT, "there is no bone from %d to %d", (int)bone->low, (int)bone->high);
     if (status == OST_OK)
-        status = anatomy_field_smooth(&out->field, err);
+        status = ost_anatomy_field_smooth(&out->field, err);
     return status;
 }
 
 static void coarse_free(coarse *c)
 {
-    anatomy_cells_free(&c->cells);
-    anatomy_field_free(&c->field);
+    ost_anatomy_cells_free(&c->cells);
+    ost_anatomy_field_free(&c->field);
 }
 
 /* -------------------------------------------------------------- candidates */
@@ -73,7 +73,7 @@ static double bone_along(const anatomy_field *f, const double from[3], const dou
     int bone = 0;
     for (int i = 0; i < count; i++) {
         const double p[3] = {from[0] + (i + 2) * way[0], from[1] + (i + 2) * way[1], from[2] + (i + 2) * way[2]};
-        bone += anatomy_field_at(f, p) >= 0.4;
+        bone += ost_anatomy_field_at(f, p) >= 0.4;
     }
     return (double)bone / count;
 }
@@ -121,16 +121,17 @@ static ost_status propose(const coarse *c, const anatomy_field *fine, const anat
         out->face.centre[a] = at[a];
         out->face.inward[a] = inward[a];
     }
-    if (!anatomy_face_find(fine, variant, &out->face))
+    if (!ost_anatomy_face_find(fine, variant, &out->face))
         return ost_fail(err, OST_ERR_INPUT,
                         "the rim of the glenoid was found in %.0f %% of the directions; expected at least 50 %%: the "
                         "glenoid is not complete, or another bone touches it",
                         100 * out->face.seen_share);
-    ost_status status = anatomy_blade_find(&c->cells, out->face.centre, out->face.inward, c->step, &out->blade, err);
+    ost_status status =
+        ost_anatomy_blade_find(&c->cells, out->face.centre, out->face.inward, c->step, &out->blade, err);
     if (status != OST_OK)
         return status;
     superior_of(out, superior);
-    if (!anatomy_face_align(fine, variant, superior, &out->face, &out->height, &out->width))
+    if (!ost_anatomy_face_align(fine, variant, superior, &out->face, &out->height, &out->width))
         return ost_fail(err, OST_ERR_INPUT, "the middle of the rim does not lie in front of bone");
     for (int a = 0; a < 3; a++)
         medial[a] = out->blade.trigonum[a] - out->face.centre[a];
@@ -152,8 +153,8 @@ static ost_status fine_make(const ost_anatomy_bone *bone, const double at[3], an
         box.lo[a] = at[a] - ROUND_MM;
         box.hi[a] = at[a] + ROUND_MM;
     }
-    ost_status status = anatomy_field_make(bone, &box, FINE_MM, out, err);
-    return status == OST_OK ? anatomy_field_smooth(out, err) : status;
+    ost_status status = ost_anatomy_field_make(bone, &box, FINE_MM, out, err);
+    return status == OST_OK ? ost_anatomy_field_smooth(out, err) : status;
 }
 
 /*
@@ -174,18 +175,18 @@ static ost_status choose(const ost_anatomy_bone *bone, const coarse *c, const os
             continue;
         ost_status status = fine_make(bone, at, &field, err);
         if (status == OST_ERR_MEMORY) {
-            anatomy_field_free(&field);
+            ost_anatomy_field_free(&field);
             return status;
         }
         if (status == OST_OK)
             status = propose(c, &field, &nominal, at, inward, &p, &reason);
         if (status == OST_OK && (*chosen < 0 || p.face.seen_share > best->face.seen_share)) {
-            anatomy_field_free(fine);
+            ost_anatomy_field_free(fine);
             *fine = field;
             *best = p;
             *chosen = i;
         } else {
-            anatomy_field_free(&field);
+            ost_anatomy_field_free(&field);
         }
     }
     if (*chosen >= 0)
@@ -306,23 +307,23 @@ ost_status ost_scapula_landmarks_find(const ost_anatomy_bone *bone, const ost_sp
         o.near = head->centre;
         o.reach = (ost_pm)HEAD_MM * OST_PM_PER_MM;
     }
-    ost_status status = anatomy_bone_check(bone, err);
+    ost_status status = ost_anatomy_bone_check(bone, err);
     if (status == OST_OK)
-        status = anatomy_sphere_options(&o, err);
+        status = ost_anatomy_sphere_options(&o, err);
     if (status == OST_OK)
         status = coarse_make(bone, STEP_MM, &c, err);
     if (status == OST_OK)
-        status = anatomy_surface_make(&c.field, &surface, err);
+        status = ost_anatomy_surface_make(&c.field, &surface, err);
     if (status == OST_OK)
-        status = anatomy_spheres(&surface, &o, spheres, OST_SPHERES_MAX, &count, err);
+        status = ost_anatomy_spheres(&surface, &o, spheres, OST_SPHERES_MAX, &count, err);
     if (status == OST_OK)
         status = choose(bone, &c, spheres, count, &fine, &best, &chosen, err);
     if (status == OST_OK)
         status = spread(bone, &c, &fine, &best, out, err);
     if (status == OST_OK)
         store(&best, &spheres[chosen], out);
-    anatomy_surface_free(&surface);
-    anatomy_field_free(&fine);
+    ost_anatomy_surface_free(&surface);
+    ost_anatomy_field_free(&fine);
     coarse_free(&c);
     return status;
 }
@@ -334,7 +335,7 @@ ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centr
     anatomy_field fine = {.share = NULL};
     anatomy_face face = {.centre = {centre_mm[0], centre_mm[1], centre_mm[2]}, .inward = {axis[0], axis[1], axis[2]}};
     *count = 0;
-    ost_status status = anatomy_bone_check(bone, err);
+    ost_status status = ost_anatomy_bone_check(bone, err);
     for (int a = 0; a < 3 && status == OST_OK; a++)
         if (!(fabs(centre_mm[a]) <= 8000))
             status = ost_fail(err, OST_ERR_RANGE, "the glenoid at %g mm; expected a position within 8 m", centre_mm[a]);
@@ -344,9 +345,9 @@ ost_status ost_glenoid_rim_find(const ost_anatomy_bone *bone, const double centr
     if (status == OST_OK)
         status = fine_make(bone, centre_mm, &fine, err);
     if (status == OST_OK) {
-        anatomy_face_rim(&fine, &nominal, &face);
+        ost_anatomy_face_rim(&fine, &nominal, &face);
         *count = list_rim(&face, rim);
     }
-    anatomy_field_free(&fine);
+    ost_anatomy_field_free(&fine);
     return status;
 }

@@ -304,8 +304,8 @@ static void insert(const search *s, const fitted *f, fitted *list, int *count)
     *count = kept + 1;
 }
 
-ost_status anatomy_spheres(const anatomy_surface *surface, const ost_sphere_options *options, ost_sphere *out,
-                           int most, int *count, ost_error *err)
+ost_status ost_anatomy_spheres(const anatomy_surface *surface, const ost_sphere_options *options, ost_sphere *out,
+                               int most, int *count, ost_error *err)
 {
     search s = {.surface = surface, .options = options, .sign = options->concave ? 1 : -1,
                 .least = ost_pm_to_mm(options->radius_min), .most = ost_pm_to_mm(options->radius_max)};
@@ -340,7 +340,7 @@ ost_status anatomy_spheres(const anatomy_surface *surface, const ost_sphere_opti
 
 /* ----------------------------------------------------------------- public */
 
-ost_status anatomy_sphere_options(ost_sphere_options *o, ost_error *err)
+ost_status ost_anatomy_sphere_options(ost_sphere_options *o, ost_error *err)
 {
     const ost_pm mm = OST_PM_PER_MM;
     if (!o->radius_min && !o->radius_max) {
@@ -355,7 +355,7 @@ ost_status anatomy_sphere_options(ost_sphere_options *o, ost_error *err)
     return OST_OK;
 }
 
-ost_status anatomy_bone_check(const ost_anatomy_bone *bone, ost_error *err)
+ost_status ost_anatomy_bone_check(const ost_anatomy_bone *bone, ost_error *err)
 {
     if (!bone || !bone->volume || !bone->volume->voxels)
         return ost_fail(err, OST_ERR_USAGE, "a volume with voxels is needed");
@@ -371,27 +371,27 @@ ost_status ost_spheres_find(const ost_anatomy_bone *bone, const ost_sphere_optio
     ost_sphere_options o = options ? *options : (ost_sphere_options){.concave = false};
     anatomy_field field = {.share = NULL};
     anatomy_surface surface = {.points = NULL};
-    ost_status status = anatomy_bone_check(bone, err);
+    ost_status status = ost_anatomy_bone_check(bone, err);
     *count = 0;
     if (status == OST_OK && (most < 1 || most > OST_SPHERES_MAX))
         status = ost_fail(err, OST_ERR_RANGE, "%d spheres; expected 1 to %d", most, OST_SPHERES_MAX);
     if (status == OST_OK)
-        status = anatomy_sphere_options(&o, err);
+        status = ost_anatomy_sphere_options(&o, err);
     if (status == OST_OK)
-        status = anatomy_field_make(bone, NULL, STEP_MM, &field, err);
+        status = ost_anatomy_field_make(bone, NULL, STEP_MM, &field, err);
     if (status == OST_OK)
-        status = anatomy_field_fill(&field, err);
+        status = ost_anatomy_field_fill(&field, err);
     if (status == OST_OK)
-        status = anatomy_field_smooth(&field, err);
+        status = ost_anatomy_field_smooth(&field, err);
     if (status == OST_OK)
-        status = anatomy_surface_make(&field, &surface, err);
+        status = ost_anatomy_surface_make(&field, &surface, err);
     if (status == OST_OK)
-        status = anatomy_spheres(&surface, &o, out, most, count, err);
+        status = ost_anatomy_spheres(&surface, &o, out, most, count, err);
     if (status == OST_OK && !*count)
         status = ost_fail(err, OST_ERR_INPUT, "no %s surface with a radius from %.9g to %.9g mm was found",
                           o.concave ? "concave" : "spherical", ost_pm_to_mm(o.radius_min),
                           ost_pm_to_mm(o.radius_max));
-    anatomy_surface_free(&surface);
-    anatomy_field_free(&field);
+    ost_anatomy_surface_free(&surface);
+    ost_anatomy_field_free(&field);
     return status;
 }

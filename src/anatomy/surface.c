@@ -33,7 +33,7 @@ static ost_status add(anatomy_surface *s, const anatomy_point *point, ost_error 
  * axis a. A point along axis a therefore receives the area A |n_a|. Per unit of area, the sum over the three axes is
  * then n_x^2 + n_y^2 + n_z^2 = 1.
  */
-ost_status anatomy_surface_make(const anatomy_field *f, anatomy_surface *out, ost_error *err)
+ost_status ost_anatomy_surface_make(const anatomy_field *f, anatomy_surface *out, ost_error *err)
 {
     const size_t stride[3] = {1, (size_t)f->n[0], (size_t)f->n[0] * (size_t)f->n[1]};
     int32_t c[3];
@@ -53,7 +53,7 @@ ost_status anatomy_surface_make(const anatomy_field *f, anatomy_surface *out, os
                     for (int k = 0; k < 3; k++)
                         p.at[k] = f->origin[k] + c[k] * f->step[k];
                     p.at[a] += f->step[a] * (0.5 - here) / (next - here);
-                    anatomy_field_gradient(f, p.at, p.normal);
+                    ost_anatomy_field_gradient(f, p.at, p.normal);
                     for (int k = 0; k < 3; k++)
                         p.normal[k] = -p.normal[k];
                     if (ost_vector_unit(p.normal, a) == 0)
@@ -64,7 +64,7 @@ ost_status anatomy_surface_make(const anatomy_field *f, anatomy_surface *out, os
     return status;
 }
 
-void anatomy_surface_free(anatomy_surface *surface)
+void ost_anatomy_surface_free(anatomy_surface *surface)
 {
     free(surface->points);
     *surface = (anatomy_surface){.points = NULL};

@@ -17,10 +17,10 @@ typedef struct anatomy_surface {
 
 /*
  * Finds the surface points. A point lies between two neighbouring cells, where the linearly interpolated share is 0.5.
- * Returns OST_ERR_RANGE if there are more than 2^22 points. The caller frees *out with anatomy_surface_free, even after
- * a failure.
+ * Returns OST_ERR_RANGE if there are more than 2^22 points. The caller frees *out with ost_anatomy_surface_free, even
+ * after a failure.
  */
-ost_status anatomy_surface_make(const anatomy_field *field, anatomy_surface *out, ost_error *err);
-void anatomy_surface_free(anatomy_surface *surface);
+ost_status ost_anatomy_surface_make(const anatomy_field *field, anatomy_surface *out, ost_error *err);
+void ost_anatomy_surface_free(anatomy_surface *surface);
 
 #endif
