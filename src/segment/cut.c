@@ -10,7 +10,7 @@ static bool is_within(ost_pm v, ost_pm most)
     return v >= -most && v <= most;
 }
 
-ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err)
+ost_status ost_segment_cut_check(const ost_segment_cut *cut, ost_error *err)
 {
     const ost_pm metre = INT64_C(1000000000000);
     const ost_pm3 n = cut->normal;
@@ -30,7 +30,7 @@ ost_status segment_cut_check(const ost_segment_cut *cut, ost_error *err)
  * On each axis, a distance is below 2^44 (AR-GRID-3, AR-LEN-1). A sum of squares is therefore below 2^90, and
  * the product with a normal is below 2^86.
  */
-void segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in)
+void ost_segment_cut_row(const ost_segment_cut *cut, const ost_geometry *g, int32_t y, int32_t z, bool *in)
 {
     const wide dy = (wide)g->origin.y + (wide)y * g->spacing.y - cut->at.y,
                dz = (wide)g->origin.z + (wide)z * g->spacing.z - cut->at.z;

@@ -159,7 +159,7 @@ static int64_t micrometres(ost_pm spacing)
     return um > 0 ? um : 1;
 }
 
-ost_status segment_distance(const segment_sparse *sparse, ost_pm3 spacing, uint32_t *height, ost_error *err)
+ost_status ost_segment_distance(const segment_sparse *sparse, ost_pm3 spacing, uint32_t *height, ost_error *err)
 {
     const size_t nx = (size_t)sparse->dims.x, ny = (size_t)sparse->dims.y, nz = (size_t)sparse->dims.z,
                  longest = ny > nz ? ny : nz;

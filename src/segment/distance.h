@@ -12,6 +12,6 @@
 enum { SEGMENT_DISTANCE_MAX = 65535 };
 
 /* Stores the distance of voxel i in height[i], for all sparse->count voxels. */
-ost_status segment_distance(const segment_sparse *sparse, ost_pm3 spacing, uint32_t *height, ost_error *err);
+ost_status ost_segment_distance(const segment_sparse *sparse, ost_pm3 spacing, uint32_t *height, ost_error *err);
 
 #endif

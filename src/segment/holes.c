@@ -62,7 +62,7 @@ static ost_status fill(block *b, ost_error *err)
     segment_runs runs = {.items = NULL};
     int16_t *label = NULL;
     bool *open = NULL;
-    ost_status status = segment_runs_make((ost_dims){d.x, d.y, b->count}, has_no_label, b, &runs, err);
+    ost_status status = ost_segment_runs_make((ost_dims){d.x, d.y, b->count}, has_no_label, b, &runs, err);
     if (status == OST_OK) {
         label = calloc(runs.components + 1, sizeof *label);
         open = calloc(runs.components + 1, sizeof *open);
@@ -85,18 +85,18 @@ static ost_status fill(block *b, ost_error *err)
         }
     free(open);
     free(label);
-    segment_runs_free(&runs);
+    ost_segment_runs_free(&runs);
     return status;
 }
 
-ost_status segment_fill_holes(const ost_volume *ct, int32_t air, ost_volume *labels, ost_segment *segments,
-                              ost_error *err)
+ost_status ost_segment_fill_holes(const ost_volume *ct, int32_t air, ost_volume *labels, ost_segment *segments,
+                                  ost_error *err)
 {
     block b = {.ct = ct, .labels = labels, .air = air, .count = ct->geometry.dims.z, .segments = segments};
     return fill(&b, err);
 }
 
-ost_status segment_fill_slices(const ost_volume *ct, int32_t air, ost_volume *labels, ost_error *err)
+ost_status ost_segment_fill_slices(const ost_volume *ct, int32_t air, ost_volume *labels, ost_error *err)
 {
     ost_status status = OST_OK;
     for (int32_t z = 0; z < ct->geometry.dims.z && status == OST_OK; z++) {

@@ -62,7 +62,7 @@ static void join_rows(segment_run *items, size_t from, size_t to, size_t other, 
     }
 }
 
-ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segment_runs *out, ost_error *err)
+ost_status ost_segment_runs_make(ost_dims dims, segment_row *row, void *user, segment_runs *out, ost_error *err)
 {
     const size_t rows = (size_t)dims.y * (size_t)dims.z;
     bool *in = malloc((size_t)dims.x * sizeof *in);
@@ -94,7 +94,7 @@ ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segmen
     return OST_OK;
 }
 
-void segment_runs_free(segment_runs *runs)
+void ost_segment_runs_free(segment_runs *runs)
 {
     free(runs->items);
     free(runs->rows);

@@ -2,7 +2,7 @@
 /*
  * Connected components of voxels, found from runs along x.
  *
- *   flags of each row --segment_runs_make--> runs --joined with the previous rows--> component of each run
+ *   flags of each row --ost_segment_runs_make--> runs --joined with the previous rows--> component of each run
  *
  * Two voxels are connected if they share a face.  Components are numbered in the order of
  * their first voxels, x fastest.  A run needs 12 bytes; the number of runs is at most about
@@ -31,8 +31,8 @@ typedef struct segment_runs {
 /* Sets in[x] for each voxel x of row (y, z) that belongs to a component. */
 typedef void segment_row(void *user, int32_t y, int32_t z, bool *in);
 
-/* Finds the connected components. The caller frees *out with segment_runs_free, even after a failure. */
-ost_status segment_runs_make(ost_dims dims, segment_row *row, void *user, segment_runs *out, ost_error *err);
-void segment_runs_free(segment_runs *runs);
+/* Finds the connected components. The caller frees *out with ost_segment_runs_free, even after a failure. */
+ost_status ost_segment_runs_make(ost_dims dims, segment_row *row, void *user, segment_runs *out, ost_error *err);
+void ost_segment_runs_free(segment_runs *runs);
 
 #endif

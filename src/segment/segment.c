@@ -39,7 +39,7 @@ static void is_candidate(void *user, int32_t y, int32_t z, bool *in)
     for (int32_t x = 0; x < nx; x++)
         in[x] = row[x] >= j->options.growth;
     for (size_t i = 0; i < j->options.cut_count; i++)
-        segment_cut_row(&j->options.cuts[i], &j->ct->geometry, y, z, in);
+        ost_segment_cut_row(&j->options.cuts[i], &j->ct->geometry, y, z, in);
 }
 
 /*
@@ -142,7 +142,7 @@ static ost_status label_components(job *j, ost_error *err)
     const ost_dims d = j->ct->geometry.dims;
     segment_runs runs = {.items = NULL};
     int16_t *label = NULL;
-    ost_status status = segment_runs_make(d, is_candidate, j, &runs, err);
+    ost_status status = ost_segment_runs_make(d, is_candidate, j, &runs, err);
     if (status == OST_OK)
         status = measure(j, &runs, err);
     if (status == OST_OK) {
@@ -155,7 +155,7 @@ static ost_status label_components(job *j, ost_error *err)
             for (int32_t x = runs.items[r].begin; x < runs.items[r].end; x++)
                 j->labels->voxels[(size_t)d.x * i + (size_t)x] = label[runs.items[r].component];
     free(label);
-    segment_runs_free(&runs);
+    ost_segment_runs_free(&runs);
     return status;
 }
 
@@ -223,9 +223,9 @@ static ost_status separate(job *j, ost_error *err)
     const uint32_t depth = (uint32_t)ost_rhe_div(j->options.separate, 1000000);
     segment_sparse sparse = {.count = 0};
     uint32_t *height = NULL, *piece = NULL, pieces = 0;
-    ost_status status = segment_fill_slices(j->ct, j->options.air, j->labels, err);
+    ost_status status = ost_segment_fill_slices(j->ct, j->options.air, j->labels, err);
     if (status == OST_OK)
-        status = segment_sparse_make(j->labels, &sparse, err);
+        status = ost_segment_sparse_make(j->labels, &sparse, err);
     if (status == OST_OK) {
         height = malloc(((size_t)sparse.count + 1) * sizeof *height);
         piece = malloc(((size_t)sparse.count + 1) * sizeof *piece);
@@ -234,14 +234,14 @@ static ost_status separate(job *j, ost_error *err)
                               (unsigned long)sparse.count);
     }
     if (status == OST_OK)
-        status = segment_distance(&sparse, j->labels->geometry.spacing, height, err);
+        status = ost_segment_distance(&sparse, j->labels->geometry.spacing, height, err);
     if (status == OST_OK)
-        status = segment_watershed(&sparse, height, depth, piece, &pieces, err);
+        status = ost_segment_watershed(&sparse, height, depth, piece, &pieces, err);
     free(height);
     if (status == OST_OK)
         status = label_pieces(j, &sparse, piece, pieces, err);
     free(piece);
-    segment_sparse_free(&sparse);
+    ost_segment_sparse_free(&sparse);
     return status;
 }
 
@@ -260,7 +260,7 @@ static ost_status check(const ost_volume *ct, const ost_segment_options *o, ost_
         return ost_fail(err, OST_ERR_RANGE, "a separation by %.9g mm; expected 0.001 to %.9g mm",
                         ost_pm_to_mm(o->separate), ost_pm_to_mm(OST_SEGMENT_SEPARATE_MAX));
     for (size_t i = 0; i < o->cut_count; i++) {
-        const ost_status status = segment_cut_check(&o->cuts[i], err);
+        const ost_status status = ost_segment_cut_check(&o->cuts[i], err);
         if (status != OST_OK)
             return status;
     }
@@ -282,7 +282,7 @@ ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *o
     if (status == OST_OK)
         status = label_components(&j, err);
     if (status == OST_OK && j.options.fill && j.count)
-        status = segment_fill_holes(ct, j.options.air, labels, j.segments, err);
+        status = ost_segment_fill_holes(ct, j.options.air, labels, j.segments, err);
     if (status == OST_OK && j.options.separate && j.count)
         status = separate(&j, err);
     if (status != OST_OK) {

@@ -51,7 +51,7 @@ static void find_near(segment_sparse *s, size_t i, int a, size_t other)
     }
 }
 
-ost_status segment_sparse_make(const ost_volume *labels, segment_sparse *out, ost_error *err)
+ost_status ost_segment_sparse_make(const ost_volume *labels, segment_sparse *out, ost_error *err)
 {
     const ost_dims d = labels->geometry.dims;
     const size_t ny = (size_t)d.y, nz = (size_t)d.z;
@@ -83,7 +83,7 @@ ost_status segment_sparse_make(const ost_volume *labels, segment_sparse *out, os
     return OST_OK;
 }
 
-void segment_sparse_free(segment_sparse *sparse)
+void ost_segment_sparse_free(segment_sparse *sparse)
 {
     free(sparse->runs);
     free(sparse->rows);

@@ -34,9 +34,9 @@ typedef struct segment_sparse {
 
 enum { SEGMENT_NEIGHBOURS = 6 };
 
-/* Collects the labelled voxels. The caller frees *out with segment_sparse_free, even after a failure. */
-ost_status segment_sparse_make(const ost_volume *labels, segment_sparse *out, ost_error *err);
-void segment_sparse_free(segment_sparse *sparse);
+/* Collects the labelled voxels. The caller frees *out with ost_segment_sparse_free, even after a failure. */
+ost_status ost_segment_sparse_make(const ost_volume *labels, segment_sparse *out, ost_error *err);
+void ost_segment_sparse_free(segment_sparse *sparse);
 
 /*
  * Writes the compact indices of the neighbours of voxel i to `out` and returns their number. A neighbour shares

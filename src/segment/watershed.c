@@ -157,8 +157,8 @@ static void flood_pieces(const segment_sparse *sparse, const uint32_t *height, c
         }
 }
 
-ost_status segment_watershed(const segment_sparse *sparse, const uint32_t *height, uint32_t depth, uint32_t *piece,
-                             uint32_t *pieces, ost_error *err)
+ost_status ost_segment_watershed(const segment_sparse *sparse, const uint32_t *height, uint32_t depth, uint32_t *piece,
+                                 uint32_t *pieces, ost_error *err)
 {
     basins all = {.items = NULL};
     uint32_t *order = malloc(((size_t)sparse->count + 1) * sizeof *order);

@@ -11,7 +11,7 @@
  * falls by at least `depth` micrometres below the lower maximum. `depth` must be 1 to SEGMENT_DISTANCE_MAX, and
  * every height at most SEGMENT_DISTANCE_MAX.
  */
-ost_status segment_watershed(const segment_sparse *sparse, const uint32_t *height, uint32_t depth, uint32_t *piece,
-                             uint32_t *pieces, ost_error *err);
+ost_status ost_segment_watershed(const segment_sparse *sparse, const uint32_t *height, uint32_t depth, uint32_t *piece,
+                                 uint32_t *pieces, ost_error *err);
 
 #endif
