@@ -196,9 +196,9 @@ ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry
     if (ticks == 0 || ticks > OST_PATH_TICKS_MAX)
         return ost_fail(err, OST_ERR_USAGE, "a path of %zu ticks; expected 1 to %d", ticks, OST_PATH_TICKS_MAX);
     ost_status status = begin(glenoid, geometry, ticks, &s, out, err);
-    press_begin(&load);
+    ost_press_begin(&load);
     for (size_t k = 0; k < ticks && status == OST_OK; k++) {
-        press_go_on(&load, (int64_t)k);
+        ost_press_go_on(&load, (int64_t)k);
         double sideways[3] = {load.across[0], load.across[1], 0}, q[4] = {1, load.lean[0], load.lean[1], 0};
         ost_quaternion_rotate(s.face, sideways, sideways);
         ost_quaternion_unit(q);

@@ -34,12 +34,12 @@ static void turn(press_wheel *w)
     w->s = s / length;
 }
 
-void press_begin(press_load *load)
+void ost_press_begin(press_load *load)
 {
     *load = (press_load){.breath = wheel(BREATH_P), .sweep = wheel(SWEEP_P), .wobble = wheel(WOBBLE_P)};
 }
 
-void press_go_on(press_load *load, int64_t k)
+void ost_press_go_on(press_load *load, int64_t k)
 {
     load->depth = k < PRESS_TICKS ? BEGIN + (PRESSED - BEGIN) * (double)k / PRESS_TICKS
                                   : PRESSED + CREEP * (double)(k - PRESS_TICKS);

@@ -36,8 +36,8 @@ typedef struct press_load {
     double depth, across[2], lean[2];
 } press_load;
 
-void press_begin(press_load *load);
+void ost_press_begin(press_load *load);
 /* Advances the hand to tick k. Must be called for every tick in order, starting at tick 0. */
-void press_go_on(press_load *load, int64_t k);
+void ost_press_go_on(press_load *load, int64_t k);
 
 #endif
