@@ -19,13 +19,19 @@
  * objects of a call must belong to one backend; otherwise the call returns OST_ERR_USAGE.
  *
  * Threads: a backend and its objects may be used by one thread at a time; different backends may be used by different
- * threads at the same time. After fork(), the child must not call osteon before exec, because the OpenMP runtime's
- * threads do not exist in the child.
+ * threads at the same time. ost_backend_open and ost_backend_devices may be called by only one thread at a time for
+ * `cl`, because they save and restore the process's handler for SIGFPE. After fork(), the child must not call osteon
+ * before exec, because the OpenMP runtime's threads do not exist in the child.
  *
  * Errors: these functions check their arguments. If a call fails, no object changes, unless the comment of the function
  * states otherwise. If a device fails while it changes a grid or a bone, however, the state of this object is unknown.
  * The object can then only be freed, and every other call with it returns OST_ERR_UNAVAILABLE. The caller can create
  * the object again; ost_world_failover (sim.h) does this for a world, on another backend.
+ *
+ * Backend errors: a function that creates or uses a grid, a bone or a tool can fail in the backend. It then returns
+ * OST_ERR_MEMORY if memory of the host or of the device is exhausted, OST_ERR_UNAVAILABLE if the device or the plugin
+ * fails or is lost, and OST_ERR_INTERNAL if the driver of a device rejects a call. A plugin can also return
+ * OST_ERR_USAGE and OST_ERR_RANGE. The comments of the functions name all other errors.
  */
 #ifndef OSTEON_BACKEND_H
 #define OSTEON_BACKEND_H
@@ -74,13 +80,15 @@ typedef void ost_device_visit(const ost_device_info *device, void *user);
 
 /*
  * Tests every device of backend number `index`, in a fixed order, and calls visit for each device.  A backend may have
- * no devices.
+ * no devices. Returns OST_ERR_USAGE if index is out of range or visit is NULL, and OST_ERR_MEMORY if memory is
+ * exhausted. A device that cannot be used is no error; its `reason` contains the message.
  */
 OST_API ost_status ost_backend_devices(int index, ost_device_visit *visit, void *user, ost_error *err);
 
 /*
  * Opens a backend.  Returns OST_ERR_USAGE for an unknown name, key or value, and OST_ERR_UNAVAILABLE, with the reason
- * in err, if the backend cannot run on this machine.
+ * in err, if the backend cannot run on this machine. Returns OST_ERR_IO or OST_ERR_INPUT if the file of a plugin cannot
+ * be opened or loaded. The other errors are backend errors. The caller closes *out with ost_backend_close.
  */
 OST_API ost_status ost_backend_open(const char *spec, ost_backend **out, ost_error *err);
 /* Closes a backend. All its grids, bones and tools must have been freed. NULL is allowed. */
@@ -103,7 +111,7 @@ OST_API ost_backend_settings ost_backend_settings_get(const ost_backend *backend
 /* ----------------------------------------------------------------- grids */
 
 /* Creates a grid filled with 0. Returns OST_ERR_RANGE if geometry is outside the ranges of AR-GRID. The caller frees
- * *out. */
+ * *out with ost_grid_free. */
 OST_API ost_status ost_grid_create(ost_backend *backend, const ost_geometry *geometry, ost_grid **out, ost_error *err);
 /* Frees a grid. NULL is allowed. */
 OST_API void ost_grid_free(ost_grid *grid);
@@ -157,7 +165,8 @@ typedef struct ost_scatter_report {
  * origin) / spacing, rounded half to even. Batches must be passed in file order. The counts of each batch are added
  * to *report. The grid records which voxels have a density. If a sample is rejected or contradicts an earlier
  * sample, the function nevertheless returns OST_OK; the report then contains the line of the sample, and the content
- * of the grid is undefined.
+ * of the grid is undefined. Returns OST_ERR_RANGE if a density does not fit int16, and OST_ERR_USAGE if samples or
+ * report is NULL or the rule `duplicates` is unknown.
  */
 OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
@@ -177,7 +186,8 @@ OST_API const char *ost_resample_name(ost_resample rule);
  * Resamples rect to cubic voxels with edges of length `cubic`. Both grids cover the same physical box. On each axis,
  * let c be the edge length and s the spacing of rect. The cubic grid then has ceil(rect dims * s / c) voxels, and its
  * origin is rect origin + (c - s) / 2, rounded half to even (AR-CUB-1). Returns OST_ERR_RANGE if `cubic` is not within
- * 0.001 to 100 mm or if the cubic grid has more than OST_DIM_MAX voxels along an axis. The caller frees *out.
+ * 0.001 to 100 mm or if the cubic grid is outside the ranges of AR-GRID, and OST_ERR_USAGE if the rule is unknown. The
+ * caller frees *out with ost_grid_free.
  */
 OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out,
                                      ost_error *err);
@@ -185,7 +195,7 @@ OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_res
 /*
  * Creates a bone from a cubic grid (AR-CHK). Voxels whose density is at least threshold are active; all other
  * voxels are stored as 0. Returns OST_ERR_USAGE if the voxels are not cubes or chunk_size is not 16, 32 or 64, and
- * OST_ERR_RANGE if threshold is not within 1 to 32767. The caller frees *out.
+ * OST_ERR_RANGE if threshold is not within 1 to 32767. The caller frees *out with ost_bone_free.
  */
 OST_API ost_status ost_cubic_to_chunks(const ost_grid *cubic, int chunk_size, int32_t threshold, ost_bone **out,
                                        ost_error *err);
@@ -208,14 +218,14 @@ typedef struct ost_bone_info {
 } ost_bone_info;
 
 /* Creates a bone without active voxels. The errors are those of ost_grid_create and ost_cubic_to_chunks. The caller
- * frees *out. */
+ * frees *out with ost_bone_free. */
 OST_API ost_status ost_bone_create(ost_backend *backend, const ost_geometry *geometry, int chunk_size,
                                    int32_t threshold, ost_bone **out, ost_error *err);
 /* Frees a bone. NULL is allowed. */
 OST_API void ost_bone_free(ost_bone *bone);
 /*
  * Writes the properties and counts of a bone to *out. If the bone is on a device, the call blocks until the counts are
- * available.
+ * available. Returns backend errors only.
  */
 OST_API ost_status ost_bone_info_get(const ost_bone *bone, ost_bone_info *out, ost_error *err);
 /*
@@ -235,7 +245,7 @@ OST_API ost_status ost_bone_download(const ost_bone *bone, int32_t z0, int32_t c
  * not block, so it may be called in a tick. There are two exceptions for a bone on a device. The first call after the
  * bone was made or uploaded allocates host memory and copies all voxels to it. The first call after a removal blocks
  * until the occupancy of the changed chunks has arrived. Returns OST_ERR_UNAVAILABLE if the backend can read only
- * slices, as the backend `plugin` does.
+ * slices, as the backend `plugin` does, and OST_ERR_USAGE if bone is NULL, or if an array is NULL and count is not 0.
  */
 OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,
                                    ost_error *err);
@@ -251,7 +261,8 @@ OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const 
                                       ost_error *err);
 /*
  * Computes the digest of a bone. If `leaves` is not NULL, also stores the digests of the leaves, in x-fastest order.
- * ost_leaf_dims returns the number of leaves along each axis.
+ * ost_leaf_dims returns the number of leaves along each axis. Returns OST_ERR_MEMORY if memory for the leaves is
+ * exhausted, and backend errors.
  */
 OST_API ost_status ost_bone_digest(const ost_bone *bone, ost_digest *leaves, ost_digest *root, ost_error *err);
 
@@ -271,26 +282,29 @@ typedef struct ost_voxelize_report {
 
 /*
  * Voxelizes one or two meshes that are snapped to the same grid (AR-VOX). A voxel that is solid in both meshes is
- * cutting. noncutting and report may be NULL. Returns OST_ERR_USAGE if the meshes are snapped to different grids. The
- * caller frees *out.
+ * cutting. noncutting and report may be NULL. Returns OST_ERR_USAGE if the meshes are snapped to different grids or the
+ * rule is unknown, and OST_ERR_RANGE if the grid exceeds a limit of AR-TOOL-1. The caller frees *out with
+ * ost_tool_free.
  */
 OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cutting,
                                 const ost_snapped_mesh *noncutting, ost_fill_rule rule, ost_voxelize_report *report,
                                 ost_tool **out, ost_error *err);
 /*
  * Creates a tool by copying voxels from host memory (AR-TOOL-4). Returns OST_ERR_INPUT if a voxel has a class other
- * than 0, 1 and 2. The caller frees *out.
+ * than 0, 1 and 2, and OST_ERR_RANGE if the grid exceeds a limit of AR-TOOL-1. The caller frees *out with
+ * ost_tool_free.
  */
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 /*
- * Copies a tool to host memory. *out need not be initialised. out->meta is empty afterwards. The caller frees *out.
+ * Copies a tool to host memory. *out need not be initialised. out->meta is empty afterwards. Returns OST_ERR_MEMORY if
+ * memory is exhausted, and backend errors; *out then has no voxels. The caller frees *out with ost_tool_volume_free.
  */
 OST_API ost_status ost_tool_download(const ost_tool *tool, ost_tool_volume *out, ost_error *err);
 /* Frees a tool. NULL is allowed. */
 OST_API void ost_tool_free(ost_tool *tool);
 /* Returns the geometry of a tool's grid. The pointer is valid until the tool is freed. */
 OST_API const ost_tool_geometry *ost_tool_geometry_get(const ost_tool *tool);
-/* Computes the digest of a tool (AR-DIG). */
+/* Computes the digest of a tool (AR-DIG). The errors are those of ost_tool_download. */
 OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_error *err);
 
 /* ---------------------------------------------------------------- events */
@@ -299,7 +313,8 @@ OST_API ost_status ost_tool_digest(const ost_tool *tool, ost_digest *root, ost_e
  * Removes every active bone voxel that a cutting tool voxel covers at one of the event's poses (AR-REM). To remove a
  * voxel, sets its density to 0 and clears its occupancy bit. *report is cleared first, and is undefined after an error.
  * The event's maps must have been computed for this bone and this tool. Returns OST_ERR_RANGE if the tool has more than
- * OST_TOOL_DIM_REMOVE_MAX voxels along an axis.
+ * OST_TOOL_DIM_REMOVE_MAX voxels along an axis. Returns OST_ERR_USAGE if the event has no maps, boxes or classes, if
+ * its number of poses is not within 1 to OST_SWEEP_MAX, or if ost_density_classes_check rejects its classes.
  */
 OST_API ost_status ost_bone_remove(ost_bone *bone, const ost_tool *tool, const ost_removal_event *event,
                                    ost_removal_report *report, ost_error *err);
@@ -308,8 +323,8 @@ OST_API ost_status ost_bone_collide(const ost_bone *bone, const ost_tool *tool, 
                                     ost_removal_report *report, ost_error *err);
 
 /*
- * Blocks until the work of all previous calls is complete. Returns the error of work that failed after its call had
- * returned.
+ * Blocks until the work of all previous calls is complete. Returns the backend error of work that failed after its call
+ * had returned, and OST_ERR_USAGE if backend is NULL.
  */
 OST_API ost_status ost_backend_finish(ost_backend *backend, ost_error *err);
 
