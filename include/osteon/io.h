@@ -9,6 +9,21 @@
  *
  * The signature in a file's content or, without a signature, the file's name determines the kind of the file. Text is
  * read in the C locale, regardless of the program's locale.
+ *
+ * Read errors: a function that reads a file returns OST_ERR_IO if the system cannot open or read the file,
+ * OST_ERR_INPUT if the content is wrong, OST_ERR_RANGE if the content is larger than supported, and OST_ERR_UNAVAILABLE
+ * if a library or program that this format requires is missing.
+ *
+ * Write errors: a function that writes a file returns OST_ERR_USAGE if the file name is empty, OST_ERR_IO if the system
+ * cannot create, write or rename the file, and OST_ERR_UNAVAILABLE if a library that this format requires is missing.
+ *
+ * All functions also return OST_ERR_MEMORY if memory is exhausted. The comments of the functions name all other errors.
+ *
+ * Threads: except for ost_mesh_read, the functions share no state. Several threads may read and write files at the same
+ * time, also the same input file. An object may be used by one thread at a time, or read by several. A backend and its
+ * bones may be used by one thread at a time (backend.h), so two threads that import at the same time need two backends.
+ * ost_mesh_read may be called by only one thread at a time, because assimp stores the message of its last error in a
+ * static variable. Some functions create threads of their own, but all callbacks are called on the calling thread.
  */
 #ifndef OSTEON_IO_H
 #define OSTEON_IO_H
@@ -38,7 +53,7 @@ typedef enum ost_file_kind {
  * Determines the kind of a file by the signature in its content or, without a signature, by its name. A folder is a
  * stack if all its regular files are TIFF or PNG; any other folder has the kind OST_FILE_DICOM, and its files are not
  * examined further. Returns OST_ERR_INPUT for a format that osteon does not read, for example a compressed file; the
- * message names a program that converts the file.
+ * message names a program that converts the file. The other errors are read errors.
  */
 OST_API ost_status ost_file_kind_find(const char *path, ost_file_kind *out, ost_error *err);
 
@@ -104,13 +119,20 @@ typedef struct ost_volume_options {
 
 /*
  * Reads an NRRD, NIfTI or MetaImage file, a multi-frame DICOM file, a DICOM series in a folder, or a stack, as
- * int16 with axes in LPS+. options may be NULL, which means that all options are false; report may be NULL. DICOM
- * is parsed by separate processes, which have ended when the function returns. A stack requires
- * options->stack_spacing.
+ * int16 with axes in LPS+. options may be NULL, which means that all options are false; report may be NULL. A stack
+ * requires options->stack_spacing. The caller frees *out with ost_volume_free; *out need not be initialised.
+ *
+ * Returns OST_ERR_USAGE if an option does not apply to the format of the file or contradicts its header, or if
+ * options->stack_spacing is missing, and OST_ERR_CANCELLED if the progress function returns false. The other errors are
+ * read errors. After an error, *out has no voxels.
+ *
+ * DICOM is parsed by separate processes, which have ended when the function returns. Meanwhile, the program must not
+ * ignore SIGCHLD or wait for any child process (waitpid with -1).
  */
 OST_API ost_status ost_volume_read(const char *path, const ost_volume_options *options, ost_volume *out,
                                    ost_volume_report *report, ost_error *err);
-/* Reads geometry, meta and report, but not the voxels. Each of the three pointers may be NULL. */
+/* Reads geometry, meta and report, but not the voxels. Each of the three pointers may be NULL. The errors are those of
+ * ost_volume_read without options. */
 OST_API ost_status ost_volume_read_header(const char *path, ost_geometry *geometry, ost_meta *meta,
                                           ost_volume_report *report, ost_error *err);
 
@@ -146,7 +168,8 @@ typedef struct ost_dicom_list {
 
 /*
  * Lists the series of a folder of DICOM files, or of one DICOM file, without reading pixels. options may be
- * NULL. *out is empty on failure.
+ * NULL. Returns read errors only; *out is then empty. An error that prevents reading a series is stored in `fault`. The
+ * caller frees *out with ost_dicom_list_free. The rule about child processes is that of ost_volume_read.
  */
 OST_API ost_status ost_dicom_list_read(const char *path, const ost_volume_options *options, ost_dicom_list *out,
                                        ost_error *err);
@@ -169,17 +192,24 @@ typedef struct ost_write_options {
  * thesis, with one line "x y z density" per voxel). If the kind of the volume is "labels", the file is a label map that
  * 3D Slicer opens as a segmentation: an NRRD file has a group of fields for each label, and a NIfTI file has the intent
  * 1002. options may be NULL.
+ *
+ * Returns OST_ERR_USAGE if the file name has a different ending, if the volume has no voxels, or if
+ * options->text_decimals is out of range or too small for the positions. Returns OST_ERR_RANGE if the geometry is
+ * outside the ranges of AR-GRID, OST_ERR_INPUT if options->omit_empty leaves no voxel, and OST_ERR_CANCELLED if the
+ * progress function returns false. The other errors are write errors.
  */
 OST_API ost_status ost_volume_write(const char *path, const ost_volume *volume, const ost_write_options *options,
                                     ost_error *err);
 
 /*
  * Reads a tool grid from a uint8 NRRD file. *out need not be initialised. Returns OST_ERR_INPUT if the elements are not
- * uint8 or a voxel is not 0, 1 or 2. The caller frees *out by ost_tool_volume_free.
+ * uint8, the voxels are not cubes, or a voxel is not 0, 1 or 2. The other errors are read errors. After an error, *out
+ * has no voxels. The caller frees *out with ost_tool_volume_free.
  */
 OST_API ost_status ost_tool_volume_read(const char *path, ost_tool_volume *out, ost_error *err);
 /* Writes a tool grid as a uint8 NRRD file. The file appears only when it is complete. Returns OST_ERR_USAGE if the file
- * name does not end in .nrrd. */
+ * name does not end in .nrrd or the tool has no voxels, and OST_ERR_RANGE if tool->meta has no room for the facts kind,
+ * arithmetic and tool_corner. The other errors are write errors. */
 OST_API ost_status ost_tool_volume_write(const char *path, const ost_tool_volume *tool, ost_error *err);
 
 /* ---------------------------------------------------------------- meshes */
@@ -204,13 +234,20 @@ typedef struct ost_mesh_report {
 enum { OST_MESH_FILE_TRIANGLES_MAX = 1 << 23 };
 
 /*
- * Reads a mesh with assimp. AUTO interprets the numbers in the file as millimetres. With AUTO, a maximum extent of
- * less than 1 mm or more than 1 m is an error, and the message lists the plausible units. With any other unit, the
- * size is not checked. NaN, infinity, a mesh without triangles and indices out of range are errors.
+ * Reads a mesh with assimp. AUTO interprets the numbers in the file as millimetres. With AUTO, a maximum extent of less
+ * than 1 mm or more than 1 m is an error, and the message lists the plausible units. With any other unit, the size is
+ * not checked. NaN, infinity, coordinates beyond 8 m, a mesh without triangles and indices out of range are errors. All
+ * these errors are OST_ERR_INPUT. Returns OST_ERR_RANGE if the mesh has more than OST_MESH_FILE_TRIANGLES_MAX
+ * triangles, and OST_ERR_USAGE for an unknown unit. The other errors are read errors. report may be NULL. Only one
+ * thread at a time may call this function. After an error, *out is empty. The caller frees *out with ost_mesh_free.
  */
 OST_API ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mesh_report *report,
                                  ost_error *err);
-/* Writes a binary STL file without attributes; normals are computed from the vertices. */
+/*
+ * Writes a binary STL file without attributes; normals are computed from the vertices. Returns OST_ERR_RANGE if the
+ * mesh has more than OST_MESH_TRIANGLES_MAX triangles, and OST_ERR_USAGE if a vertex index is out of range. The other
+ * errors are write errors.
+ */
 OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, ost_error *err);
 
 /* ----------------------------------------------------------------- paths */
@@ -227,12 +264,15 @@ typedef struct ost_path_report {
     int64_t begin_ns, end_ns; /* times of the first and the last row, with or without a pose */
 } ost_path_report;
 
-/* Reads a path. options and report may be NULL. */
+/* Reads a path. options and report may be NULL. Returns read errors only, for example OST_ERR_RANGE for a path with too
+ * many rows. After an error, *out is empty. The caller frees *out with ost_path_free. */
 OST_API ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out,
                                  ost_path_report *report, ost_error *err);
-/* Reads a path as ost_path_read does, with options and report NULL. */
+/* Reads a path as ost_path_read does, with options and report NULL. The errors are the same. The caller frees *out with
+ * ost_path_free. */
 OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err);
-/* Writes a path with the columns `lifted` and `rpm`. If any tool index is not 0, the column `tool` is also written. */
+/* Writes a path with the columns `lifted` and `rpm`. If any tool index is not 0, the column `tool` is also written.
+ * Returns write errors only. */
 OST_API ost_status ost_path_write_csv(const char *path, const ost_path *in, ost_error *err);
 
 /* ------------------------------------------------------------- landmarks */
@@ -263,13 +303,15 @@ typedef struct ost_landmarks {
 
 /*
  * Reads landmarks from .mrk.json and .fcsv files of 3D Slicer, in the coordinate system stated in the file, or from
- * a CSV file with lines label,x,y,z (LPS, mm). Returns an error if the file contains no landmarks, or two positions
- * for one role. *out is empty on failure.
+ * a CSV file with lines label,x,y,z (LPS, mm). Returns OST_ERR_INPUT if the file contains no landmarks, or two
+ * positions for one role. The other errors are read errors. After an error, *out is empty. The caller frees *out with
+ * ost_landmarks_free.
  */
 OST_API ost_status ost_landmarks_read(const char *path, ost_landmarks *out, ost_error *err);
 /*
- * Writes landmarks as a .mrk.json file of 3D Slicer, in LPS. ost_landmarks_read reads exactly the same positions
- * from this file.
+ * Writes landmarks as a .mrk.json file of 3D Slicer, in LPS. ost_landmarks_read reads exactly the same positions from
+ * this file. Returns OST_ERR_INPUT if a label is not UTF-8 or if memory for the text is exhausted. The other errors are
+ * write errors.
  */
 OST_API ost_status ost_landmarks_write(const char *path, const ost_landmarks *landmarks, ost_error *err);
 /* Frees landmarks, which are then empty. */
@@ -277,8 +319,8 @@ OST_API void ost_landmarks_free(ost_landmarks *landmarks);
 
 /*
  * Replaces the header facts in the file of a volume. In an NRRD file, the facts are the osteon_ lines of the header; in
- * a NIfTI file written by osteon, they are in a comment. Returns OST_ERR_INPUT for all other files. The voxels do not
- * change. On failure, the file is unchanged.
+ * a NIfTI file written by osteon, they are in a comment. Returns OST_ERR_INPUT for all other files. The other errors
+ * are read errors and write errors. The voxels do not change. After an error, the file is unchanged.
  */
 OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta, ost_error *err);
 
@@ -370,15 +412,23 @@ typedef struct ost_import_result {
 
 /*
  * Imports a CT, or a bone written by ost_bone_write, as a bone of the backend. options and result may be NULL. The
- * caller owns *out.
+ * caller frees *out with ost_bone_free.
+ *
+ * Returns OST_ERR_USAGE if backend or path is NULL, if an option does not apply to the format of the file, if the rule
+ * for resampling or the size of a chunk is unknown, or if the function `labels` makes no label map on the grid of the
+ * CT. Returns OST_ERR_RANGE if another option is out of range, OST_ERR_INPUT if the mask does not fit the CT or selects
+ * no voxel, and OST_ERR_CANCELLED if a progress function returns false. Returns the error of the function `labels`. The
+ * other errors are read errors of the CT, of the mask and of the file with its names, and backend errors (backend.h).
+ * The rule about child processes is that of ost_volume_read.
  */
 OST_API ost_status ost_import(ost_backend *backend, const char *path, const ost_import_options *options, ost_bone **out,
                               ost_import_result *result, ost_error *err);
 
 /*
  * Writes the cubic grid of a bone as int16. The header contains meta and the facts kind = bone, threshold and
- * arithmetic. The format is NRRD unless the file name ends in .nii, .nii.gz, .mha or .txt. meta and options may be
- * NULL.
+ * arithmetic. The file name selects the format: .nrrd, .nii, .nii.gz, .mha or .txt. meta and options may be NULL.
+ * Returns OST_ERR_RANGE if meta has no room for the three facts. The other errors are those of ost_volume_write, and
+ * backend errors (backend.h).
  */
 OST_API ost_status ost_bone_write(const char *path, const ost_bone *bone, const ost_meta *meta,
                                   const ost_write_options *options, ost_error *err);
