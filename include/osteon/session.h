@@ -38,11 +38,12 @@ extern "C" {
 enum { OST_SESSION_KEY = 41, OST_SESSION_VALUE = 4096, OST_SESSION_KEYS_MAX = 128 };
 typedef struct ost_session_header ost_session_header;
 
-/* Creates an empty header. The caller frees it. */
+/* Creates an empty header. The only error is OST_ERR_MEMORY. The caller frees *out with ost_session_header_free. */
 OST_API ost_status ost_session_header_create(ost_session_header **out, ost_error *err);
 /* Frees a header. NULL is allowed. */
 OST_API void ost_session_header_free(ost_session_header *header);
-/* Sets the value of a key. Returns OST_ERR_RANGE if key or value is not allowed, or if there are too many keys. */
+/* Sets the value of a key. Returns OST_ERR_RANGE if key or value is not allowed, or if there are too many keys, and
+ * OST_ERR_MEMORY if memory is exhausted. */
 OST_API ost_status ost_session_header_set(ost_session_header *header, const char *key, const char *value,
                                           ost_error *err);
 /* Returns the value of key, or NULL if key is not set. The pointer is valid until header is changed. */
@@ -137,7 +138,10 @@ typedef struct ost_session ost_session;
 /*
  * Opens a session, and reads and checks every block.  Returns OST_ERR_INPUT if the file
  * is not a session or if both copies of the header are damaged; all other damage is
- * reported in the summary.  A session can be read while it is being written.
+ * reported in the summary.  A session can be read while it is being written.  Returns
+ * OST_ERR_RANGE if ost_session_header_set rejects a key of the header, OST_ERR_IO if the
+ * file cannot be opened or read, and OST_ERR_MEMORY if memory is exhausted.  The caller
+ * closes *out with ost_session_close.
  */
 OST_API ost_status ost_session_open(const char *path, ost_session **out, ost_error *err);
 /* Closes a session. NULL is allowed. */
@@ -148,7 +152,7 @@ OST_API const ost_session_header *ost_session_header_of(const ost_session *sessi
 OST_API const ost_session_summary *ost_session_summary_of(const ost_session *session);
 /*
  * Reads the next valid record in the order of the file. Missing records are skipped. After the last record, *more
- * is false.
+ * is false. Returns OST_ERR_IO if the file cannot be read, or if it has changed since it was opened.
  */
 OST_API ost_status ost_session_next(ost_session *session, ost_record *out, bool *more, ost_error *err);
 /* Moves the reader to the start, so that the next call of ost_session_next returns the first record. */
@@ -157,17 +161,22 @@ enum { OST_SESSION_MISSING = 512 };
 /* Writes one sentence for each kind of missing data to `text`, or "" if nothing is missing. Returns `text`. */
 OST_API const char *ost_session_missing(const ost_session *session, char text[OST_SESSION_MISSING]);
 
-/* Copies the ticks that can be replayed (complete_ticks) to *out, as a path. Returns OST_ERR_INPUT if there are none or
- * more than OST_PATH_TICKS_MAX. The caller frees *out. */
+/*
+ * Copies the ticks that can be replayed (complete_ticks) to *out, as a path. Returns OST_ERR_INPUT if there are none or
+ * more than OST_PATH_TICKS_MAX, OST_ERR_MEMORY if memory is exhausted, and the errors of ost_session_next. Afterwards,
+ * the reader is at the start of the session. The caller frees *out with ost_path_free.
+ */
 OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_error *err);
 /*
  * Writes all valid blocks to a new session file, which appears only when it is complete. The file of the open session
- * is not changed.
+ * is not changed. Returns OST_ERR_USAGE if the name `out` is empty, OST_ERR_IO if the new file cannot be written,
+ * OST_ERR_MEMORY if memory is exhausted, and the errors of ost_session_next. Afterwards, the reader is at the start of
+ * the session.
  */
 OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost_error *err);
 /*
  * Writes a CSV table for other programs, with one line per tick. The columns of a path come first, followed by all
- * other columns (docs/spec/session.md).
+ * other columns (docs/spec/session.md). The errors and the position of the reader are those of ost_session_repair.
  */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
@@ -198,7 +207,13 @@ typedef struct ost_recorder_state {
     char reason[160];            /* the reason for the failure, if `failing` is true */
 } ost_recorder_state;
 
-/* Creates or replaces the file `path`, writes the header and starts the writer thread. options may be NULL. */
+/*
+ * Creates or replaces the file `path`, writes the header and starts the writer thread. options may be NULL. Returns
+ * OST_ERR_IO if the file cannot be created or written, is a symbolic link, or is in use by another recorder. Returns
+ * OST_ERR_USAGE if the capacity is not a power of two up to 2^24, OST_ERR_RANGE if the header needs more than 512 kB,
+ * OST_ERR_UNAVAILABLE if no thread can be created, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out
+ * with ost_recorder_close. The header is copied to the file; it need not outlive the call.
+ */
 OST_API ost_status ost_recorder_open(const char *path, const ost_session_header *header,
                                      const ost_recorder_options *options, ost_recorder **out, ost_error *err);
 /*
@@ -216,7 +231,8 @@ OST_API void ost_recorder_state_get(ost_recorder *recorder, ost_recorder_state *
 /*
  * Writes the records that are still in the ring, and then the end record. If `end` is NULL, no end record is
  * written, as in a truncated session. Frees the recorder, even after an error. Returns OST_ERR_IO if records could
- * not be written or were lost; the file contains all other records.
+ * not be written or were lost; the file contains all other records. While the function runs, no other thread may use
+ * the recorder. NULL is allowed for recorder.
  */
 OST_API ost_status ost_recorder_close(ost_recorder *recorder, const ost_session_end *end, ost_error *err);
 
