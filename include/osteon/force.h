@@ -22,7 +22,8 @@
  * the quantised pose.  docs/reference/force.md contains the equations, the parameters
  * and their sources.
  *
- * Threads: an ost_force may be used only on the thread of its world.
+ * Threads: an ost_force may be used only on the thread of its world. An ost_safety may be used by one thread at a
+ * time. The other functions share no state.
  */
 #ifndef OSTEON_FORCE_H
 #define OSTEON_FORCE_H
@@ -92,7 +93,8 @@ typedef struct ost_shell {
 
 /*
  * Computes a shell of at most OST_SHELL_MAX points from a tool's voxels.  The sum of the points' areas is the surface
- * area of the tool.  The caller frees *out with ost_shell_free.  Returns OST_ERR_MEMORY on failure.
+ * area of the tool.  Returns OST_ERR_INPUT if no voxel of the tool is solid, and OST_ERR_MEMORY if memory is exhausted;
+ * *out is then empty.  The caller frees *out with ost_shell_free.
  */
 OST_API ost_status ost_shell_make(const ost_tool_volume *tool, ost_shell *out, ost_error *err);
 /* Frees the points of a shell, which is then empty. */
@@ -105,15 +107,24 @@ typedef struct ost_force ost_force;
 /*
  * Creates an ost_force for a bone, without tools. The bone must outlive the ost_force. `params` is copied; NULL selects
  * the defaults. Returns OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels, like the backend `plugin`.
+ * Returns OST_ERR_USAGE if bone is NULL, and OST_ERR_RANGE if a parameter is outside the range that ost_force_key_at
+ * states, if speed is not within 0 to 10,000 rad/s, or if vibration is not 0 and more than 500 teeth pass per second.
+ * Returns OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h). The caller frees *out with
+ * ost_force_free.
  */
 OST_API ost_status ost_force_create(const ost_bone *bone, const ost_force_params *params, ost_force **out,
                                     ost_error *err);
 /* Frees a force. NULL is allowed. */
 OST_API void ost_force_free(ost_force *force);
-/* Adds a tool. Tools must be added in the order of the world's tools. The tool's voxels are read during the call. */
+/*
+ * Adds a tool. Tools must be added in the order of the world's tools. The tool's voxels are read during the call. The
+ * errors are those of ost_tool_download, ost_shell_make and ost_force_add_shell.
+ */
 OST_API ost_status ost_force_add_tool(ost_force *force, const ost_tool *tool, ost_error *err);
-/* Adds a tool that is represented by the given shell. The shell is copied. Returns OST_ERR_USAGE if there are too many
- * tools or points. */
+/*
+ * Adds a tool that is represented by the given shell. The shell is copied. Returns OST_ERR_USAGE if there are already
+ * 16 tools or the shell has more than OST_SHELL_MAX points, and OST_ERR_MEMORY if memory is exhausted.
+ */
 OST_API ost_status ost_force_add_shell(ost_force *force, const ost_shell *shell, ost_error *err);
 
 /* The result of a step, in the bone's frame. Torques are about the tool's origin. */
@@ -133,20 +144,20 @@ typedef struct ost_force_result {
  * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose. Does not remove bone:
  * the caller passes out->tool to ost_world_step, which removes it. Allocates no memory and does not block. In its first
  * step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose. Returns OST_ERR_USAGE
- * if tool or period_s is out of range.
+ * if no tool has this index or period_s is not greater than 0, and backend errors (backend.h).
  */
 OST_API ost_status ost_force_step(ost_force *force, int tool, const ost_pose *device, double period_s,
                                   ost_force_result *out, ost_error *err);
 /*
  * Computes the same step as ost_force_step but does not change the state. Afterwards, the caches contain the data
- * that the next ost_force_step needs (see ost_world_rehearse).
+ * that the next ost_force_step needs (see ost_world_rehearse). The errors are those of ost_force_step.
  */
 OST_API ost_status ost_force_rehearse(ost_force *force, int tool, const ost_pose *device, double period_s,
                                       ost_force_result *out, ost_error *err);
 /*
  * If the bone is on a device, reads the voxels that removals have changed since the last step. Without this call, the
  * next ost_force_step reads these voxels and waits for the device. A program calls this function after it has written
- * the force to the haptic device. The call does not affect any result. Returns the error of the bone's backend.
+ * the force to the haptic device. The call does not affect any result. The errors are those of ost_bone_sample.
  */
 OST_API ost_status ost_force_refresh(const ost_force *force, ost_error *err);
 /*
@@ -200,7 +211,10 @@ typedef struct ost_force_key {
 OST_API int ost_force_key_count(void);
 /* Returns the description of parameter number `index`, or NULL if index is out of range. The description is static. */
 OST_API const ost_force_key *ost_force_key_at(int index);
-/* Returns the value of parameter number `index`, which is a member of *force or of *safety. */
+/*
+ * Returns the value of parameter number `index`, which is a member of *force or of *safety. Returns 0 if index is out
+ * of range.
+ */
 OST_API double ost_force_key_value(int index, const ost_force_params *force, const ost_safety_params *safety);
 enum { OST_FORCE_VALUE = 32 };
 /* Writes a value to text in the format of a parameter file. Returns text. */
@@ -209,8 +223,8 @@ OST_API char *ost_force_value_text(double value, char text[OST_FORCE_VALUE]);
 /*
  * Reads a file with lines of the form "key: number"; # starts a comment.  Parameters that are not in the file keep
  * their values.  Returns OST_ERR_INPUT if a line cannot be parsed and OST_ERR_RANGE if a value is out of range; err
- * then contains the file, the line, the key, the value and the expected range.  After an error, *force and *safety are
- * unchanged.
+ * then contains the file, the line, the key, the value and the expected range.  Returns OST_ERR_IO if the file cannot
+ * be opened, and OST_ERR_MEMORY if memory is exhausted.  After an error, *force and *safety are unchanged.
  */
 OST_API ost_status ost_force_params_read(const char *file, ost_force_params *force, ost_safety_params *safety,
                                          ost_error *err);

@@ -55,7 +55,9 @@ typedef struct ost_live_state {
 
 /*
  * Creates the live state of a bone, with one bit for every voxel of the active chunks.  The bone must outlive the live
- * state and must not gain active chunks.
+ * state and must not gain active chunks.  Returns OST_ERR_USAGE if bone is NULL, OST_ERR_UNAVAILABLE if the bone's
+ * backend cannot deliver words of occupancy, OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h).
+ * The caller frees *out with ost_live_free.
  */
 OST_API ost_status ost_live_create(const ost_bone *bone, ost_live_channel **out, ost_error *err);
 /* Frees a live state. NULL is allowed. */
@@ -66,11 +68,12 @@ OST_API void ost_live_free(ost_live_channel *live);
 /* Queues the chunks that are listed in the report of an event. `report` may be NULL for a tick without an event. */
 OST_API void ost_live_changed(ost_live_channel *live, const ost_removal_report *report);
 /*
- * Publishes the state and about 8 kB of queued chunks (two chunks of 32^3 voxels). If the backend returns an error, the
- * chunks remain queued.
+ * Publishes the state and about 8 kB of queued chunks (two chunks of 32^3 voxels). The errors are those of
+ * ost_bone_occupancy; after an error, the chunks remain queued.
  */
 OST_API ost_status ost_live_publish(ost_live_channel *live, const ost_live_state *state, ost_error *err);
-/* Publishes all chunks that are still queued. Called at the end of an operation or during a pause. */
+/* Publishes all chunks that are still queued. Called at the end of an operation or during a pause. The errors are those
+ * of ost_live_publish. */
 OST_API ost_status ost_live_flush(ost_live_channel *live, ost_error *err);
 
 /* ---------------------------------------------------------- viewer thread */
@@ -90,7 +93,8 @@ typedef ost_status ost_live_visit(void *user, const int32_t at[3], const uint32_
 
 /*
  * Calls visit for every chunk that changed since the last call. The first call visits all active chunks. If visit
- * returns an error, the next call visits the remaining chunks. Returns the status that visit returned last.
+ * returns an error, the next call visits the remaining chunks. Returns the status that visit returned last, or OST_OK
+ * if no chunk changed; the function itself has no errors. `visit` is called on the calling thread (ost_live_visit).
  */
 OST_API ost_status ost_live_take(ost_live_channel *live, ost_live_visit *visit, void *user, ost_error *err);
 /* Returns the geometry of the bone. The pointer is valid until the live state is freed. */

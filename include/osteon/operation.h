@@ -10,7 +10,7 @@
  * scripted and simulated operations all use these functions.
  *
  * Threads: while ost_servo_run is running, only the servo thread may use the operation, except that one other thread
- * may call ost_operation_keys.
+ * may call ost_operation_keys. At other times, an operation may be used by one thread at a time.
  */
 #ifndef OSTEON_OPERATION_H
 #define OSTEON_OPERATION_H
@@ -76,7 +76,9 @@ typedef struct ost_operation_options {
  * Creates an operation on a world. The world must outlive the operation, and while the loop runs, only the servo
  * thread may use the world. An operation that continues an earlier operation begins 1 ms after the last tick of the
  * earlier operation, at the last pose of the tool. If the device is more than 5 mm away from this pose, there is a
- * fault until the device returns to the pose. Returns OST_ERR_USAGE if options->rpm is out of range.
+ * fault until the device returns to the pose. options may be NULL. Returns OST_ERR_USAGE if world is NULL or
+ * options->rpm is out of range, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out with
+ * ost_operation_free.
  */
 OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_options *options, ost_operation **out,
                                         ost_error *err);

@@ -8,7 +8,8 @@
  * ost_world_step is the only function that advances the world; live, scripted
  * and replayed sessions all call it.
  *
- * Threads: a world, its bone and its tools may be used by one thread at a time.
+ * Threads: a world, its bone and its tools may be used by one thread at a time.  The functions
+ * without a world, a bone or a tool share no state.
  */
 #ifndef OSTEON_SIM_H
 #define OSTEON_SIM_H
@@ -43,14 +44,19 @@ enum { OST_WORLD_TOOLS_MAX = 16 };
 
 /*
  * Creates a world. The bone, and the tools that are added later, are borrowed and must outlive the world. `options` is
- * copied and may be NULL. Returns OST_ERR_USAGE if an option is out of range.
+ * copied and may be NULL. Returns OST_ERR_USAGE if bone is NULL or an option is out of range, and OST_ERR_MEMORY if
+ * memory is exhausted. If options->saved_ticks is not 0, the bone is copied, which can return backend errors
+ * (backend.h). The caller frees *out with ost_world_free.
  */
 OST_API ost_status ost_world_create(ost_bone *bone, const ost_world_options *options, ost_world **out, ost_error *err);
 /* Frees a world. Its bone and its tools are not freed. NULL is allowed. */
 OST_API void ost_world_free(ost_world *world);
 /*
- * Adds a tool and writes its index, counted from 0, to *index.  A world has at most OST_WORLD_TOOLS_MAX tools.  The
- * name is copied.  Returns OST_ERR_USAGE or OST_ERR_RANGE if the tool cannot be used with the bone (AR-MAP-2).
+ * Adds a tool and writes its index, counted from 0, to *index, which may be NULL.  A world has at most
+ * OST_WORLD_TOOLS_MAX tools.  The name is copied.  Returns OST_ERR_USAGE if tool is NULL, if it belongs to another
+ * backend than the bone, if the world has no room for another tool, or if the voxels of the bone are not cubes.
+ * Returns OST_ERR_RANGE if the tool cannot be used with the bone (AR-MAP-2), OST_ERR_MEMORY if memory is exhausted, and
+ * backend errors (backend.h).
  */
 OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool *tool, int *index,
                                       ost_error *err);
@@ -58,7 +64,7 @@ OST_API ost_status ost_world_add_tool(ost_world *world, const char *name, const 
 /*
  * Allocates the memory for the longest sweep and the largest report of a tick (1 MB plus 104 bytes per chunk), so
  * that later ticks do not allocate. Should be called before a real-time loop. A backend reserves its own memory
- * when it is opened.
+ * when it is opened. Returns OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h).
  */
 OST_API ost_status ost_world_reserve(ost_world *world, ost_error *err);
 
@@ -77,14 +83,20 @@ typedef struct ost_step_result {
 } ost_step_result;
 
 /*
- * Advances the world by one tick. If an error occurs, for instance a jump or a rotation beyond the limits of
- * AR-SWEEP, the world remains unchanged. If the backend fails while it changes the bone, the bone may be lost
- * (backend.h); ost_world_failover restores it. Does not allocate after ost_world_reserve.
+ * Advances the world by one tick. Returns OST_ERR_RANGE if the pose is invalid, if the tool jumps or rotates beyond the
+ * limits of AR-SWEEP, or if the motor rotates it by more than 90 degrees since the last event. Returns OST_ERR_USAGE if
+ * the world has no tool with the index tick->tool, if time does not increase, or if tick->rpm is out of range or
+ * OST_RPM_OF_DEVICE. Returns OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h). After an error, the
+ * world remains unchanged. If the backend fails while it changes the bone, however, the bone may be lost (backend.h);
+ * ost_world_failover restores it. Does not allocate after ost_world_reserve, except for a new copy of the bone
+ * (saved_ticks). result may be NULL.
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
  * Reads the data that a step with the tool at this pose would read, so that the caches contain this data when the tick
- * is due. Changes neither the bone nor the state of the world. Invalidates the report of the last step.
+ * is due. Changes neither the bone nor the state of the world. Invalidates the report of the last step. Returns
+ * OST_ERR_USAGE if the world has no tool with this index, OST_ERR_RANGE if the pose is invalid, OST_ERR_MEMORY if
+ * memory is exhausted, and backend errors (backend.h).
  */
 OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose *pose, ost_error *err);
 
@@ -107,9 +119,11 @@ OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
  * is created, and again before a tick if saved_ticks ticks are already stored; the previous copy is freed only after
  * the new copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
  *
- * The caller owns *bone and the tools, which must outlive the world.  `tools` is an array of OST_WORLD_TOOLS_MAX
- * elements, in the order of the tools' indices.  The previous bone and tools may then be freed.  After an error, the
- * world is unchanged, and *bone and all elements of tools are NULL.
+ * The caller owns *bone and the tools, which must outlive the world, and frees them with ost_bone_free and
+ * ost_tool_free.  `tools` is an array of OST_WORLD_TOOLS_MAX elements, in the order of the tools' indices.  The
+ * previous bone and tools may then be freed.  Returns OST_ERR_USAGE if saved_ticks is 0, OST_ERR_MEMORY if memory is
+ * exhausted, and backend errors of the new backend (backend.h).  After an error, the world is unchanged, and *bone and
+ * all elements of tools are NULL.
  */
 OST_API ost_status ost_world_failover(ost_world *world, ost_backend *backend, ost_bone **bone, ost_tool **tools,
                                       ost_error *err);
@@ -134,17 +148,21 @@ struct ost_glenoid;
  * Counts the active voxels in front of the face of a glenoid. Let w be the position along the inward axis, measured
  * from the centre of the face, and r the distance from this axis, in mm. A voxel is in front of the face if w < -(3
  * + min(r, 18)^2 / 60); a healthy rim has no such voxels. Only voxels with r <= radius_mm and w >= -reach_mm are
- * counted. If radius_mm or reach_mm is 0, there is no such limit.
+ * counted. If radius_mm or reach_mm is 0, there is no such limit. Returns OST_ERR_USAGE if the axis is zero or not
+ * finite, OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h).
  */
 OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm,
                                      double reach_mm, int64_t *voxels, ost_error *err);
 /*
  * Computes the percentage of bone in two cylinders around the axis. One cylinder extends from 1 to 11 mm inward of the
- * centre, the other from 1 to 11 mm outward. Both have a radius of 4 mm.
+ * centre, the other from 1 to 11 mm outward. Both have a radius of 4 mm. The errors are those of ost_bone_in_front.
  */
 OST_API ost_status ost_bone_along_axis(const ost_bone *bone, const struct ost_glenoid *glenoid, double *inward_percent,
                                        double *outward_percent, ost_error *err);
-/* Counts the active voxels that the solid voxels of a tool cover at the given pose. */
+/*
+ * Counts the active voxels that the solid voxels of a tool cover at the given pose. The errors are those of
+ * ost_map_make and ost_bone_collide.
+ */
 OST_API ost_status ost_bone_overlap(const ost_bone *bone, const ost_tool *tool, const ost_pose *pose, int64_t *voxels,
                                     ost_error *err);
 
@@ -189,7 +207,8 @@ OST_API ost_status ost_point_from_meta(const ost_meta *meta, const char *key, os
                                        ost_error *err);
 /*
  * Reads a glenoid from the header facts OST_META_*. Returns OST_ERR_USAGE, with the key in err, if a fact is
- * missing. The side may be missing if the axis determines it.
+ * missing. The side may be missing if the axis determines it. The other errors are those of ost_point_from_meta,
+ * ost_axis_from_meta, ost_side_from_meta and ost_glenoid_side.
  */
 OST_API ost_status ost_glenoid_from_meta(const ost_meta *meta, ost_glenoid *out, ost_error *err);
 
@@ -209,14 +228,17 @@ OST_API const char *ost_builtin_name(
  * Creates a built-in path of a hand (OST_RPM_OF_DEVICE) with ticks at 1 kHz: approach, advance along the axis,
  * dwell, retreat. For `glenoid-press`, the path is that of ost_builtin_press with a length of one minute.
  * ost_motor_path converts such a path to the ticks of a rotating tool. `tool` is the tool index that the ticks
- * contain. `geometry` is the grid of the tool, whose working face points to -z. Returns OST_ERR_USAGE if the axis of
- * the glenoid is zero or not finite. The caller frees *out.
+ * contain. `geometry` is the grid of the tool, whose working face points to -z. Returns OST_ERR_USAGE if `which` is
+ * unknown or the axis of the glenoid is zero or not finite. Returns OST_ERR_RANGE if `geometry` exceeds a limit of
+ * AR-TOOL-1 or the path leaves the range of 8 m, and OST_ERR_MEMORY if memory is exhausted; *out is then empty. The
+ * caller frees *out with ost_path_free.
  */
 OST_API ost_status ost_builtin_path(ost_builtin which, const ost_glenoid *glenoid, const ost_tool_geometry *geometry,
                                     int32_t tool, ost_path *out, ost_error *err);
 /*
  * Creates the intended path of a hand that presses the tool into the face, moves over the face and wobbles. `ticks`
- * is the length of the path, at most OST_PATH_TICKS_MAX. The caller frees *out.
+ * is the length of the path, 1 to OST_PATH_TICKS_MAX. Returns OST_ERR_USAGE if ticks is out of range. The other errors
+ * are those of ost_builtin_path. The caller frees *out with ost_path_free.
  */
 OST_API ost_status ost_builtin_press(const ost_glenoid *glenoid, const ost_tool_geometry *geometry, int32_t tool,
                                      size_t ticks, ost_path *out, ost_error *err);
