@@ -62,8 +62,8 @@ typedef struct ost_metrics_tool {
  * a reamer. A narrower tool that is at least twice as long as wide is a drill. All other tools, and tools without
  * cutting voxels, have the kind OST_METRICS_OTHER. The length is measured along z, and the width is the larger of the
  * sizes along x and y. The tool's axis is the z axis of its frame or, if the z axis misses the cutting part, a parallel
- * line through the middle of the cutting part. The tip is the lowest point of the cutting part on this axis. Returns an
- * error if the tool cannot be copied to host memory.
+ * line through the middle of the cutting part. The tip is the lowest point of the cutting part on this axis. The errors
+ * are those of ost_tool_download.
  */
 OST_API ost_status ost_metrics_tool_make(const ost_tool *tool, ost_metrics_tool *out, ost_error *err);
 /*
@@ -90,7 +90,10 @@ typedef struct ost_metrics_motion {
     size_t count;
 } ost_metrics_motion;
 
-/* The metrics of an operation; docs/reference/metrics.md defines each value. */
+/*
+ * The metrics of an operation; docs/reference/metrics.md defines each value. The struct has a size of about 86 kB,
+ * because it contains maps. It should not be placed on the stack of a thread whose stack is small.
+ */
 typedef struct ost_metrics {
     double removed_mm3, removed_by_class_mm3[OST_CLASS_MAX];
     /* The following values describe the floor, which is the exposed bone without the holes of drills. */
@@ -165,8 +168,9 @@ enum { OST_METRICS_CONTACT_UM = 500 };
 
 /*
  * Computes the metrics. The two volumes must have the same geometry, with equal spacing on all axes. motion may be
- * NULL. Returns OST_ERR_USAGE if the geometries differ, if the voxels are not cubes, if the axis of the plan is zero,
- * or if its depth is negative. Returns OST_ERR_INPUT if no bone was removed.
+ * NULL. Returns OST_ERR_USAGE if the geometries differ, if the voxels are not cubes, if the axis of the plan is zero or
+ * not finite, or if its depth is negative. Returns OST_ERR_INPUT if no bone was removed, and OST_ERR_MEMORY if memory
+ * is exhausted.
  */
 OST_API ost_status ost_metrics_make(const ost_volume *before, const ost_volume *after, int threshold,
                                     const ost_density_classes *classes, const ost_metrics_plan *plan,
@@ -200,7 +204,10 @@ typedef struct ost_technique {
     double plunge_mm;            /* depth of the deepest plunge */
 } ost_technique;
 
-/* Computes the values of an ost_technique from the ticks, which must be in ascending order of time. */
+/*
+ * Computes the values of an ost_technique from the ticks, which must be in ascending order of time. The axis of the
+ * plan must not be zero. The only error is OST_ERR_MEMORY.
+ */
 OST_API ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_metrics_plan *plan,
                                       ost_technique *out, ost_error *err);
 
