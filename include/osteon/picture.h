@@ -20,13 +20,18 @@ typedef struct ost_picture {
     uint8_t *rgb; /* owned; 3 * width * height */
 } ost_picture;
 
-/* Allocates a picture filled with zeros. On failure, *picture has no pixels but can still be freed. */
+/* Allocates a picture filled with zeros. Returns OST_ERR_RANGE if the width or the height is not within 1 to 16384
+ * pixels, and OST_ERR_MEMORY if memory is exhausted. After an error, *picture has no pixels but can still be freed. The
+ * caller frees the pixels with ost_picture_free. */
 OST_API ost_status ost_picture_init(ost_picture *picture, int width, int height, ost_error *err);
 /* Frees the pixels of a picture, which is then empty. */
 OST_API void ost_picture_free(ost_picture *picture);
-/* Writes the picture as a PNG file. Returns OST_ERR_UNAVAILABLE if the library was built without libpng. */
+/* Writes the picture as a PNG file, which appears only when it is complete. The errors are those of
+ * ost_picture_encode_png, OST_ERR_USAGE if the file name is empty, and OST_ERR_IO if the file cannot be written. */
 OST_API ost_status ost_picture_write_png(const char *path, const ost_picture *picture, ost_error *err);
-/* Encodes the picture as a PNG in memory, for embedding in a page. The caller frees *bytes with free(). */
+/* Encodes the picture as a PNG in memory, for embedding in a page. Returns OST_ERR_UNAVAILABLE if the library was built
+ * without libpng, OST_ERR_USAGE if the picture has no pixels, and OST_ERR_MEMORY if memory is exhausted; *bytes is then
+ * NULL. The caller frees *bytes with free(). */
 OST_API ost_status ost_picture_encode_png(const ost_picture *picture, uint8_t **bytes, size_t *size, ost_error *err);
 
 /*
@@ -45,8 +50,10 @@ typedef struct ost_slices_options {
 } ost_slices_options;
 /*
  * Draws the slices. If `before` is not NULL, voxels that are active in `before` but not in `volume` are coloured.
- * Returns OST_ERR_USAGE if a volume has no voxels or if the geometries of the volumes differ, and OST_ERR_RANGE if the
- * grid does not contain the voxel options->at. The caller owns *out.
+ * Returns OST_ERR_USAGE if a volume has no voxels, if the geometries of the volumes differ, or if options->width is
+ * less than 1 and options->level and options->width are not both 0. Returns OST_ERR_RANGE if the grid does not contain
+ * the voxel options->at, or if the picture is larger than ost_picture_init accepts. Returns OST_ERR_MEMORY if memory is
+ * exhausted. The caller frees *out with ost_picture_free.
  */
 OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume *before,
                                       const ost_slices_options *options, ost_picture *out, ost_error *err);
@@ -74,7 +81,11 @@ typedef struct ost_view_options {
  * Draws a view of the active voxels with a scale bar and the patient's directions, as `osteon render` does
  * (render.h). The voxels must be cubes. If `before` is not NULL, the newly exposed surface is coloured by its depth
  * below the surface of `before`, and a legend is drawn. Returns OST_ERR_USAGE if a volume has no voxels, if the
- * geometries of the volumes differ, or if options->direction and options->up are parallel. The caller owns *out.
+ * geometries of the volumes differ, or if options->direction and options->up are parallel. Returns OST_ERR_RANGE if the
+ * voxels are not cubes, if a side of the picture is not within 1 to OST_FRAME_MAX pixels, or if the camera is too far
+ * away, and OST_ERR_MEMORY if memory is exhausted. OST_ERR_USAGE and OST_ERR_UNAVAILABLE are also returned for an
+ * instruction set in the environment variable OSTEON_ISA that is unknown or not available. The caller frees *out with
+ * ost_picture_free.
  */
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,
                                     ost_picture *out, ost_error *err);

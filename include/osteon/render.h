@@ -58,7 +58,12 @@ typedef struct ost_points_options {
     const char *isa;
     int threads;       /* number of threads; 0 selects one for each processor */
 } ost_points_options;
-/* Draws the voxels at or above the threshold as seen by the camera. The voxels must be cubes. The caller owns *out. */
+/*
+ * Draws the voxels at or above the threshold as seen by the camera. Returns OST_ERR_RANGE if ost_camera_check rejects
+ * the camera, if the voxels are not cubes, or if the camera is more than 32768 voxels away from the bone. Returns
+ * OST_ERR_USAGE for an unknown instruction set, OST_ERR_UNAVAILABLE for an instruction set that this machine lacks, and
+ * OST_ERR_MEMORY if memory is exhausted. The caller frees *out with ost_picture_free.
+ */
 OST_API ost_status ost_picture_points(const ost_volume *volume, const ost_camera *camera,
                                       const ost_points_options *options, ost_picture *out, ost_error *err);
 
