@@ -13,6 +13,8 @@
  * The leaves contain no positions; their order in the tree determines the positions.  The header contains the kind,
  * dims, spacing, origin and threshold, so grids with different geometries have different digests.
  *
+ * Errors: the functions return OST_ERR_MEMORY if memory is exhausted or if libcrypto was built without SHA-256.
+ *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
 #ifndef OSTEON_DIGEST_H
@@ -42,10 +44,10 @@ typedef enum ost_grid_kind {
 /* Returns the number of 32^3 leaves along each axis. */
 OST_API ost_dims ost_leaf_dims(ost_dims dims);
 
-/* Computes the digest of a leaf of 32^3 int16 voxels, x fastest. */
+/* Computes the digest of a leaf of 32^3 int16 voxels, x fastest. The only error is OST_ERR_MEMORY. */
 OST_API ost_status ost_digest_leaf16(const int16_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out,
                                      ost_error *err);
-/* Computes the digest of a leaf of 32^3 uint8 voxels, x fastest. */
+/* Computes the digest of a leaf of 32^3 uint8 voxels, x fastest. The only error is OST_ERR_MEMORY. */
 OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * OST_LEAF], ost_digest *out,
                                     ost_error *err);
 
@@ -56,17 +58,18 @@ OST_API ost_status ost_digest_leaf8(const uint8_t voxels[OST_LEAF * OST_LEAF * O
 OST_API ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geometry, int32_t threshold,
                                    const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err);
 
-/* Computes the digest of a dense grid. kind is OST_GRID_RECT or OST_GRID_CUBIC. */
+/* Computes the digest of a dense grid, which must have voxels. kind is OST_GRID_RECT or OST_GRID_CUBIC. The only error
+ * is OST_ERR_MEMORY. */
 OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_digest *out, ost_error *err);
 
 /*
  * Computes the digest of dense voxels of voxel_size 1 or 2 bytes. For a tool, kind is OST_GRID_TOOL, the spacing on all
- * axes is the tool's voxel size, and the origin is the tool's corner.
+ * axes is the tool's voxel size, and the origin is the tool's corner. The only error is OST_ERR_MEMORY.
  */
 OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels,
                                     size_t voxel_size, ost_digest *out, ost_error *err);
 
-/* Computes the SHA-256 of `size` bytes, as the program sha256sum does. */
+/* Computes the SHA-256 of `size` bytes, as the program sha256sum does. The only error is OST_ERR_MEMORY. */
 OST_API ost_status ost_digest_bytes(const void *bytes, size_t size, ost_digest *out, ost_error *err);
 
 /* Writes the digest as 64 lower-case hexadecimal digits and a NUL. Returns hex. */
@@ -79,11 +82,12 @@ OST_API bool ost_digest_equal(const ost_digest *a, const ost_digest *b);
  * the caller that opened it.
  */
 typedef struct ost_hasher ost_hasher;
-/* Creates a hasher. The caller frees it with ost_hasher_close. */
+/* Creates a hasher. The only error is OST_ERR_MEMORY. The caller frees *out with ost_hasher_close. */
 OST_API ost_status ost_hasher_open(ost_hasher **out, ost_error *err);
-/* Adds bytes to the hash. After a failure only ost_hasher_close may be called. */
+/* Adds bytes to the hash. The only error is OST_ERR_MEMORY. After an error, only ost_hasher_close may be called. */
 OST_API ost_status ost_hasher_add(ost_hasher *hasher, const void *bytes, size_t size, ost_error *err);
-/* Writes the digest to *out, unless out is NULL, and frees the hasher. */
+/* Writes the digest to *out, unless out is NULL, and frees the hasher, even after an error. The only error is
+ * OST_ERR_MEMORY. NULL is allowed for hasher. */
 OST_API ost_status ost_hasher_close(ost_hasher *hasher, ost_digest *out, ost_error *err);
 
 #ifdef __cplusplus

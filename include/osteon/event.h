@@ -76,8 +76,9 @@ typedef struct ost_map {
 } ost_map;
 
 /*
- * Computes the map of a pose. bone must have equal spacing on all axes. Returns OST_ERR_RANGE if the map exceeds a
- * limit of AR-MAP-2.
+ * Computes the map of a pose. Returns OST_ERR_RANGE if the pose is invalid, if bone or tool is outside the ranges of
+ * AR-GRID or AR-TOOL-1, or if the map exceeds a limit of AR-MAP-2. Returns OST_ERR_USAGE unless bone has equal spacing
+ * on all axes.
  */
 OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool,
                                 ost_map *out, ost_error *err);

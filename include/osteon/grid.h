@@ -94,7 +94,11 @@ typedef struct ost_volume {
     int16_t *voxels; /* owned; ost_dims_count(dims) elements */
 } ost_volume;
 
-/* Allocates a volume filled with zeros. On failure, *volume has no voxels but can still be freed. */
+/*
+ * Allocates a volume filled with zeros. Returns OST_ERR_RANGE if geometry is outside the ranges of AR-GRID, and
+ * OST_ERR_MEMORY if memory is exhausted. After an error, *volume has no voxels but can still be freed. The caller frees
+ * the voxels with ost_volume_free.
+ */
 OST_API ost_status ost_volume_init(ost_volume *volume, const ost_geometry *geometry, ost_error *err);
 /* Frees the voxels of a volume, which is then empty. */
 OST_API void ost_volume_free(ost_volume *volume);

@@ -12,7 +12,9 @@
  * function on its own thread.  `osteon devices` lists all devices.
  *
  * Threads: a device may be used by one thread at a time.  While ost_servo_run is
- * running, only the servo thread may use the device.
+ * running, only the servo thread may use the device.  The comments of ost_haptic_counts,
+ * ost_haptic_write and ost_mouse_input_put state exceptions.  The functions that take no
+ * device share no state; an object may be used by one thread at a time.
  */
 #ifndef OSTEON_HAPTICS_H
 #define OSTEON_HAPTICS_H
@@ -121,7 +123,9 @@ typedef struct ost_haptic_setup {
  *                     bind=ADDRESS (127.0.0.1), lost=MS (5000)
  *
  * Returns OST_ERR_USAGE for an unknown name, key or value, or if the setup lacks an input that the device needs.
- * The caller owns *out and closes it with ost_haptic_close.
+ * Returns OST_ERR_UNAVAILABLE if the device, its library or its driver is missing, does not answer or is in use, and
+ * OST_ERR_MEMORY if memory is exhausted. If the device reads a file, the errors of the function that reads this file
+ * are also returned. The caller owns *out and closes it with ost_haptic_close.
  */
 OST_API ost_status ost_haptic_open(const char *spec, const ost_haptic_setup *setup, ost_haptic **out, ost_error *err);
 /* Sets the device's force to 0, and closes and frees the device. NULL is allowed. */
@@ -205,7 +209,8 @@ OST_API void ost_haptic_write(ost_haptic *device, const ost_wrench *wrench);
  */
 enum { OST_MOUSE_PEDAL = 1 }; /* bit of the only button of the `mouse` device */
 /* Creates the input of the `mouse` device, with the first state *start. Returns OST_ERR_RANGE if the pose of this state
- * is invalid. The caller frees the input after closing the device. */
+ * is invalid, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out with ost_mouse_input_free after closing
+ * the device. */
 OST_API ost_status ost_mouse_input_create(const ost_haptic_state *start, ost_mouse_input **out, ost_error *err);
 /* Frees the input of the `mouse` device. NULL is allowed. */
 OST_API void ost_mouse_input_free(ost_mouse_input *mouse);
@@ -356,7 +361,8 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
  * `options` may be NULL, which selects the defaults.  `done` may be NULL.  *report is always written; its size is about
  * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE if the period is not within 10,000 ns to 1 s,
  * if lead_ns is not within 0 to half a period, or if no_clock is set for a device without OST_HAPTIC_LOGICAL. In these
- * cases, no tick is run, and *report contains zeros. Returns an error if a device with a clock of its own cannot run.
+ * cases, no tick is run, and *report contains zeros. Returns OST_ERR_UNAVAILABLE if a device with a clock of its own
+ * does not call its tick.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

@@ -90,8 +90,8 @@ OST_API bool ost_decimal_integer(const ost_decimal *value, uint64_t *magnitude);
 OST_API bool ost_decimal_to_pm(const ost_decimal *value, ost_pm *out, bool *exact);
 
 /*
- * Converts a string such as "0.47", in millimetres, to picometres. Returns an error unless the string is exactly one
- * decimal within +-OST_LENGTH_MAX.
+ * Converts a string such as "0.47", in millimetres, to picometres. Returns OST_ERR_INPUT unless the string is exactly
+ * one decimal, and OST_ERR_RANGE if the length is outside +-OST_LENGTH_MAX.
  */
 OST_API ost_status ost_pm_parse(const char *text, ost_pm *out, ost_error *err);
 

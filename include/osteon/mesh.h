@@ -29,8 +29,11 @@ typedef struct ost_mesh {
 
 enum { OST_MESH_TRIANGLES_MAX = 1 << 26 };
 
-/* Allocates the arrays of a mesh without initialising their elements. Returns OST_ERR_RANGE if triangle_count exceeds
- * OST_MESH_TRIANGLES_MAX or vertex_count exceeds three times this maximum. */
+/*
+ * Allocates the arrays of a mesh without initialising their elements. Returns OST_ERR_RANGE if triangle_count exceeds
+ * OST_MESH_TRIANGLES_MAX or vertex_count exceeds three times this maximum, and OST_ERR_MEMORY if memory is exhausted.
+ * After an error, the mesh is empty. The caller frees the arrays with ost_mesh_free.
+ */
 OST_API ost_status ost_mesh_init(ost_mesh *mesh, size_t vertex_count, size_t triangle_count, ost_error *err);
 /* Frees the arrays of a mesh, which is then empty. */
 OST_API void ost_mesh_free(ost_mesh *mesh);
@@ -43,7 +46,8 @@ OST_API ost_status ost_mesh_bounds(const ost_mesh *mesh, ost_pm3 *min, ost_pm3 *
 OST_API double ost_mesh_volume_mm3(const ost_mesh *mesh);
 /*
  * Counts the open edges. An edge is open unless exactly two triangles share it and have opposite directions along
- * it. Vertices with equal positions count as one vertex. Returns OST_ERR_USAGE if a vertex index is out of range.
+ * it. Vertices with equal positions count as one vertex. Returns OST_ERR_USAGE if a vertex index is out of range, and
+ * OST_ERR_MEMORY if memory is exhausted.
  */
 OST_API ost_status ost_mesh_open_edges(const ost_mesh *mesh, size_t *open_edges, ost_error *err);
 
@@ -67,7 +71,8 @@ OST_API ost_status ost_tool_geometry_check(const ost_tool_geometry *geometry, os
 
 /*
  * Computes the grid of a tool from the bounds [min, max] of its mesh, by Alg. 2.1 with rounding half to even.
- * Returns OST_ERR_RANGE if the grid has more than OST_TOOL_DIM_MAX voxels along an axis or more than 2^33 voxels.
+ * Returns OST_ERR_RANGE if the bounds or the grid exceed a limit of AR-TOOL-1, such as OST_TOOL_DIM_MAX voxels along an
+ * axis or 2^33 voxels, and OST_ERR_USAGE if a coordinate of min exceeds that of max.
  */
 OST_API ost_status ost_tool_geometry_from_bounds(ost_pm3 min, ost_pm3 max, ost_pm voxel, ost_tool_geometry *out,
                                                  ost_error *err);
@@ -89,14 +94,15 @@ typedef struct ost_snapped_mesh {
 
 /*
  * Snaps a mesh to the lattice of a tool grid (AR-MESH-3, AR-MESH-4). Returns OST_ERR_RANGE if a vertex
- * is outside the lattice, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out by
+ * is outside the lattice, or if the grid or the number of triangles exceeds its limit. Returns OST_ERR_USAGE if a
+ * vertex index is out of range, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out with
  * ost_snapped_mesh_free.
  */
 OST_API ost_status ost_mesh_snap(const ost_mesh *mesh, const ost_tool_geometry *grid, ost_snapped_mesh *out,
                                  ost_error *err);
 /* Frees the arrays of a snapped mesh, which is then empty. */
 OST_API void ost_snapped_mesh_free(ost_snapped_mesh *mesh);
-/* Computes the digest of a snapped mesh (AR-DIG-7). */
+/* Computes the digest of a snapped mesh (AR-DIG-7). The only error is OST_ERR_MEMORY, as in digest.h. */
 OST_API ost_status ost_snapped_mesh_digest(const ost_snapped_mesh *mesh, ost_digest *out, ost_error *err);
 
 #ifdef __cplusplus

@@ -61,7 +61,9 @@ typedef struct ost_path_options {
     ost_pm max_jump_pm;
 } ost_path_options;
 
-/* Allocates `count` rows without initialising them. Returns OST_ERR_RANGE if count exceeds OST_PATH_TICKS_MAX. */
+/* Allocates `count` rows without initialising them. Returns OST_ERR_RANGE if count exceeds OST_PATH_TICKS_MAX, and
+ * OST_ERR_MEMORY if memory is exhausted. After an error, the path is empty. The caller frees the rows with
+ * ost_path_free. */
 OST_API ost_status ost_path_init(ost_path *path, size_t count, ost_error *err);
 /* Frees the rows of a path, which is then empty. */
 OST_API void ost_path_free(ost_path *path);

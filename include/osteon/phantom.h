@@ -42,8 +42,12 @@ typedef struct ost_phantom_options {
 
 /* Returns the name of a kind of phantom, as used by `osteon phantom`; static. */
 OST_API const char *ost_phantom_name(ost_phantom_kind kind);
-/* Generates a phantom. options may be NULL. Returns OST_ERR_RANGE if the scale is not within 0.125 to 8, if a spacing
- * is not within 0.001 to 100 mm, or if the grid is too large. The caller owns *out. */
+/*
+ * Generates a phantom. options may be NULL. Returns OST_ERR_RANGE if the scale is not within 0.125 to 8, if a spacing
+ * is not within 0.001 to 100 mm, or if the grid is too large. Returns OST_ERR_USAGE for an unknown kind,
+ * OST_ERR_CANCELLED if the progress function returns false, and OST_ERR_MEMORY if memory is exhausted. The caller frees
+ * *out with ost_volume_free.
+ */
 OST_API ost_status ost_phantom_make(ost_phantom_kind kind, const ost_phantom_options *options, ost_volume *out,
                                     ost_error *err);
 
@@ -79,8 +83,8 @@ OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
 OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
 /*
  * Creates the closed mesh of a tool in the frame of the tool. options may be NULL. Returns OST_ERR_USAGE if this kind
- * of tool lacks the part, or if a length or the number of segments is out of range. The caller frees *out with
- * ost_mesh_free.
+ * of tool lacks the part, or if a length or the number of segments is out of range. Returns OST_ERR_MEMORY if memory is
+ * exhausted. The caller frees *out with ost_mesh_free.
  */
 OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
 

@@ -63,9 +63,9 @@ typedef struct ost_segment {
  * Finds the components of a CT (AR-SEG-1 to AR-SEG-5). If the option `separate` is set, divides them at necks (AR-SEG-7
  * to AR-SEG-9). *labels is a volume with the geometry of the CT; each of its voxels contains a label, or 0. *out is an
  * array of the components in descending order of size; components of equal size are in the order of their first voxels.
- * Returns OST_ERR_RANGE if an option is out of range or more than OST_SEGMENT_LABELS_MAX components have at least
- * min_voxels, and OST_ERR_MEMORY if memory is exhausted. The caller frees *labels by ost_volume_free and *out by
- * ost_segments_free.
+ * Returns OST_ERR_USAGE if the CT has no voxels. Returns OST_ERR_RANGE if an option is out of range or more than
+ * OST_SEGMENT_LABELS_MAX components have at least min_voxels, and OST_ERR_MEMORY if memory is exhausted. The caller
+ * frees *labels by ost_volume_free and *out by ost_segments_free.
  */
 OST_API ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *options, ost_volume *labels,
                                       ost_segment **out, size_t *count, ost_error *err);
@@ -78,7 +78,8 @@ OST_API int ost_segment_label_at(const ost_volume *labels, ost_pm3 at);
 OST_API int ost_segment_label_near(const ost_volume *labels, ost_pm3 at, ost_pm3 *found);
 /*
  * Removes each component k for which keep[k] is false. Numbers the labels of the remaining components from 1, in
- * unchanged order (AR-SEG-10). labels, segments and *count are results of ost_segment_volume.
+ * unchanged order (AR-SEG-10). labels, segments and *count are results of ost_segment_volume. The only error is
+ * OST_ERR_MEMORY; nothing is then changed.
  */
 OST_API ost_status ost_segments_keep(ost_volume *labels, ost_segment *segments, size_t *count, const bool *keep,
                                      ost_error *err);

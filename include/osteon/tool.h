@@ -27,7 +27,11 @@ typedef struct ost_tool_volume {
     uint8_t *voxels; /* owned; ost_dims_count(geometry.dims) elements */
 } ost_tool_volume;
 
-/* Allocates a tool grid filled with zeros, so that all voxels are empty. */
+/*
+ * Allocates a tool grid filled with zeros, so that all voxels are empty. Returns OST_ERR_RANGE if geometry exceeds a
+ * limit of AR-TOOL-1, and OST_ERR_MEMORY if memory is exhausted. After an error, *tool has no voxels but can still be
+ * freed. The caller frees the voxels with ost_tool_volume_free.
+ */
 OST_API ost_status ost_tool_volume_init(ost_tool_volume *tool, const ost_tool_geometry *geometry, ost_error *err);
 /* Frees the voxels of a tool volume, which is then empty. */
 OST_API void ost_tool_volume_free(ost_tool_volume *tool);
