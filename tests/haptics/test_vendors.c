@@ -224,7 +224,7 @@ static void openhaptics_frames(void **state)
     (void)state;
     fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
     ost_error err = {0};
-    ost_servo_report report;
+    static ost_servo_report report;
     seen s;
     note->position[2] = -4; /* mm */
     note->buttons = 2;
@@ -243,7 +243,7 @@ static void openhaptics_failures(void **state)
 {
     (void)state;
     ost_error err = {0};
-    ost_servo_report report;
+    static ost_servo_report report;
     seen s;
     fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->fail_open = 1;
@@ -316,7 +316,7 @@ static void openhaptics_reports_its_limits(void **state)
     fake_note *note = load_stand_in(HD, "fake_hd", "fake_hd");
     note->limit = -1;
     ost_error err = {0};
-    ost_servo_report report;
+    static ost_servo_report report;
     seen s;
     assert_ok(run(&s, 3, &report, &err));
     assert_int_equal(report.end, OST_SERVO_TICKS);
@@ -413,7 +413,7 @@ static void operate_by_buttons(const char *name, fake_note *note, double *along,
     ost_backend *backend;
     ost_haptic_info info;
     ost_haptic *device;
-    ost_servo_report report;
+    static ost_servo_report report;
     ost_operation_options options = {.rpm = 200, .tools = 2, .motor_waits = true};
     const ost_geometry g = cubic_geometry(40, 20, 20, MM, (ost_pm3){0, 0, 0});
     c = (course){.note = note, .along = along, .step = step};
