@@ -13,8 +13,10 @@
  *
  * Threads: a device may be used by one thread at a time.  While ost_servo_run is
  * running, only the servo thread may use the device.  The comments of ost_haptic_counts,
- * ost_haptic_write and ost_mouse_input_put state exceptions.  The functions that take no
- * device share no state; an object may be used by one thread at a time.
+ * ost_haptic_write and ost_mouse_input_put state exceptions.  ost_haptic_describe,
+ * ost_haptic_open and ost_haptic_close may be called by only one thread at a time, because
+ * the libraries of some devices have global state.  The other functions share no state; an
+ * object may be used by one thread at a time.
  */
 #ifndef OSTEON_HAPTICS_H
 #define OSTEON_HAPTICS_H
