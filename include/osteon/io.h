@@ -19,11 +19,11 @@
  *
  * All functions also return OST_ERR_MEMORY if memory is exhausted. The comments of the functions name all other errors.
  *
- * Threads: except for ost_mesh_read, the functions share no state. Several threads may read and write files at the same
- * time, also the same input file. An object may be used by one thread at a time, or read by several. A backend and its
- * bones may be used by one thread at a time (backend.h), so two threads that import at the same time need two backends.
- * ost_mesh_read may be called by only one thread at a time, because assimp stores the message of its last error in a
- * static variable. Some functions create threads of their own, but all callbacks are called on the calling thread.
+ * Threads: the functions share no state. Several threads may read and write files at the same time, also the same input
+ * file. Meshes are parsed one after the other, because assimp shares the message of its last error among all threads.
+ * An object may be used by one thread at a time, or read by several. A backend and its bones may be used by one thread
+ * at a time (backend.h), so two threads that import at the same time need two backends. Some functions create threads
+ * of their own, but all callbacks are called on the calling thread.
  */
 #ifndef OSTEON_IO_H
 #define OSTEON_IO_H
@@ -238,8 +238,8 @@ enum { OST_MESH_FILE_TRIANGLES_MAX = 1 << 23 };
  * than 1 mm or more than 1 m is an error, and the message lists the plausible units. With any other unit, the size is
  * not checked. NaN, infinity, coordinates beyond 8 m, a mesh without triangles and indices out of range are errors. All
  * these errors are OST_ERR_INPUT. Returns OST_ERR_RANGE if the mesh has more than OST_MESH_FILE_TRIANGLES_MAX
- * triangles, and OST_ERR_USAGE for an unknown unit. The other errors are read errors. report may be NULL. Only one
- * thread at a time may call this function. After an error, *out is empty. The caller frees *out with ost_mesh_free.
+ * triangles, and OST_ERR_USAGE for an unknown unit. The other errors are read errors. report may be NULL. After an
+ * error, *out is empty. The caller frees *out with ost_mesh_free.
  */
 OST_API ost_status ost_mesh_read(const char *path, ost_unit unit, ost_mesh *out, ost_mesh_report *report,
                                  ost_error *err);

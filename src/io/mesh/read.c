@@ -14,6 +14,7 @@
  */
 #include "io/mesh/input.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -223,13 +224,20 @@ static ost_status convert(const mesh_input *in, const struct aiScene *scene, int
 
 static ost_status import(mesh_input *in, int64_t unit, ost_mesh *out, ost_error *err)
 {
+    /* assimp stores the message of its last error in a string that all threads share */
+    static pthread_mutex_t one_at_a_time = PTHREAD_MUTEX_INITIALIZER;
     struct aiFileIO io = {memory_open, memory_close, (char *)(void *)in};
+    char message[201] = "";
+    pthread_mutex_lock(&one_at_a_time);
     const struct aiScene *scene = aiImportFileEx(kinds[in->kind].name, 0, &io);
-    if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
+    if (!scene)
+        snprintf(message, sizeof message, "%s", aiGetErrorString());
+    pthread_mutex_unlock(&one_at_a_time);
+    if (!scene && strstr(message, "bad_alloc"))
         return ost_fail(err, OST_ERR_MEMORY, "%s: out of memory to read its %llu triangles by assimp", in->path,
                         (unsigned long long)in->triangles);
     if (!scene)
-        return ost_fail(err, OST_ERR_INPUT, "%s: assimp: %.200s", in->path, aiGetErrorString());
+        return ost_fail(err, OST_ERR_INPUT, "%s: assimp: %s", in->path, message);
     ost_status status = convert(in, scene, unit, out, err);
     aiReleaseImport(scene);
     return status;
