@@ -50,7 +50,7 @@ typedef struct bench_row_store {
     uint32_t hit;
 } bench_row_store;
 
-/* Executes only the stores of a removal event on an unmodified bone. Their time is a lower bound of the event's time.
+/* Executes only the stores of a removal event on an unmodified bone. Their time is a lower bound on the event's time.
    On a machine without masked stores, the function reads each row, clears the densities that are hit, and writes the
    row. */
 void bench_store_rows(const bench_row_store *rows, size_t count);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Copies or reads as many bytes as the measured operation does, but computes nothing. The time is a lower bound of the
+/* Copies or reads as many bytes as the measured operation does, but computes nothing. The time is a lower bound on the
    operation's time. */
 #include "bench/baseline.h"
 

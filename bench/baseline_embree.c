@@ -111,7 +111,7 @@ static RTCScene make_scene(RTCDevice device, const ost_snapped_mesh *mesh, bool 
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* the geometry has the filter, so the scene needs no flag for it */
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST); /* no filter flag is needed, because the geometry has the filter */
     rtcSetSceneBuildQuality(scene, low_quality ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM);
     rtcCommitScene(scene);
     return scene;

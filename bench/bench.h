@@ -77,10 +77,10 @@ typedef struct bench_table {
 
 void bench_table_free(bench_table *table);
 
-/* Returns true if options->filter selects the row with this name. In this case, calls options->show first. */
+/* If options->filter selects the row with this name, calls options->show and returns true. */
 bool bench_wanted(const bench_options *options, const char *name);
-/* Appends a row that has this name and no figures, with `equal` set to true. The pointer is valid until the next call.
-   Returns NULL if memory is exhausted. */
+/* Appends a row with this name, without figures, and sets its `equal` to true. The pointer is valid until the next
+   call. Returns NULL if memory is exhausted. */
 bench_row *bench_row_add(bench_table *table, const char *name, const char *unit, int threads);
 /*
  * If `status` is OST_OK, OST_ERR_CANCELLED or OST_ERR_INTERNAL (a defect in osteon), returns it and adds no row. For
@@ -89,8 +89,8 @@ bench_row *bench_row_add(bench_table *table, const char *name, const char *unit,
  */
 ost_status bench_row_not_run(const bench_options *options, bench_table *table, const char *const names[], int count,
                              const char *unit, int threads, ost_status status, ost_error *err);
-/* bench_row_ours and bench_row_baseline store the median, minimum and maximum of a series in the row, in the row's
-   unit. `what` describes the baseline. */
+/* bench_row_ours and bench_row_baseline convert the median, minimum and maximum of a series to the row's unit and store
+   them in the row. `what` describes the baseline. */
 void bench_row_ours(bench_row *row, bench_series *series);
 void bench_row_baseline(bench_row *row, bench_series *series, const char *what);
 void bench_row_extra(bench_row *row, const char *key, double value);
@@ -105,16 +105,15 @@ double bench_row_ratio_of_minima(const bench_row *row);
    load or, for a short operation, cold caches. */
 bool bench_row_disturbed(const bench_row *row);
 
-/* Returns the number of repetitions of a row: options->repeat if it is not 0, or else `normal`, but at most 3 if
-   options->quick is true. */
+/* Returns the number of repetitions of a row: options->repeat or, if this is 0, `normal`. options->quick limits
+   `normal` to 3. */
 int bench_repeat(const bench_options *options, int normal);
 
 /* ------------------------------------------------------------------ machine */
 
 int bench_cpus(void); /* number of processors that this process may use */
 const char *bench_cpu_model(char text[BENCH_TEXT]);
-/* Returns the name of the instruction set that the backend uses, or "scalar" if the backend has no
-   choice of instruction sets. */
+/* Returns the name of the instruction set that the cpu backend uses, or "scalar" for any other backend. */
 const char *bench_isa(const bench_options *options);
 /* Returns the number of bytes of memory that can be allocated without swapping. Returns a large number if the system
    does not report it. */

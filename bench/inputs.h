@@ -8,7 +8,7 @@
 
 #include "render/points/surface.h"
 
-/* Voxelizes a parametric tool on a backend, with cubic voxels of the edge length `voxel`. If `options` is NULL, the
+/* Voxelizes a parametric tool on a backend, with cubic voxels whose edge length is `voxel`. If `options` is NULL, the
    tool has its default size. The caller frees *out before it closes the backend. */
 ost_status bench_tool_make(ost_backend *backend, ost_tool_kind kind, const ost_tool_options *options, ost_pm voxel,
                            ost_tool **out, ost_error *err);

@@ -69,7 +69,7 @@ int bench_scene_chunks(const bench_scene *scene, int32_t chunk_size, int32_t (*c
 typedef struct bench_thesis {
     bench_thesis_event event;
     int16_t *tool;        /* owned, like the pointers below */
-    /* the densities of all chunks: those before the event in `full`, and a copy that the event modifies in `live` */
+    /* densities of all chunks: `full` contains those before the event; `live` is a copy that the event modifies */
     int16_t *full, *live;
     int16_t **chunks;
     int32_t (*corners)[3];

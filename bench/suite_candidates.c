@@ -10,7 +10,7 @@
  *
  * osteon's time is measured with bins (voxelizer=auto), and the baseline's time with Embree (voxelizer=embree). The
  * baseline's time includes building Embree's hierarchy, because a mesh is usually voxelized only once. With both
- * methods, the bits are written into memory that was written before the measurement.
+ * methods, the memory for the bits is written once before the measurement.
  */
 #include "bench/bench.h"
 #include "bench/meshes.h"

@@ -5,7 +5,7 @@
  *   opencl/{reamer,peg}/{16,32,64}/{fresh,steady}   the thesis' kernel, one launch per chunk (suite_removal.c)
  *   opencl/transfer/scapula, opencl/voxelize/...    the backend cpu on the same data
  *   opencl/launch                                   none; the row measures launching an empty kernel and waiting for
- *                                                   its end; this time is a lower bound of an event's time
+ *                                                   its end; this time is a lower bound on an event's time
  */
 #include "bench/meshes.h"
 #include "bench/path.h"

@@ -2,7 +2,7 @@
 /*
  * Removal events (thesis, Tables 3.3 to 3.5).
  *
- *   fresh   all voxels were restored, and are in the caches if the caches are large enough:
+ *   fresh   all voxels were restored and then loaded into the caches, as far as they fit:
  *           osteon's bone was processed once by ost_bone_collide, which changes no voxel, and
  *           the baseline's chunks were read once
  *   cold    the event runs immediately after the voxels were restored; osteon restores complete

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures frames of the scapula, 1280 x 720, that the processor draws from a list of surface voxels. As in the thesis
- * (Fig. 3.3), the baseline draws every active voxel of every active chunk as a point. The baseline uses the same inner
- * loops. Before anything is timed, osteon and the baseline must produce the same picture as the scalar loops.
+ * Measures frames of 1280 x 720 pixels, in which the processor draws the scapula from a list of surface voxels. As in
+ * the thesis (Fig. 3.3), the baseline draws every active voxel of every active chunk as a point. The baseline uses the
+ * same inner loops. Before anything is timed, osteon and the baseline must produce the same picture as the scalar
+ * loops.
  */
 #include "bench/bench.h"
 #include "bench/inputs.h"
@@ -211,7 +212,7 @@ static ost_status measure(show *s, frames *f, const ost_eye *eye, bool *equal)
     return status;
 }
 
-/* Adds the minimum time of a frame for each instruction set to the row. */
+/* Adds to the row the minimum time of a frame for each instruction set. */
 static void add_sets(bench_row *row, frames *f)
 {
     char name[32];

@@ -158,7 +158,7 @@ static ost_status add(bench_gl *b, const bench_options *options, bench_table *ta
     ost_status status = OST_OK;
     if (b->gl) {
         /* The picture of frame 0 is compared, so this frame is drawn last. The two frames before it are drawn from
-           other positions, because a frame omits the cells that the previous frame found hidden. */
+           other positions, because a frame omits the cells that were hidden in the previous frame. */
         for (int i = 2; i >= 0 && status == OST_OK; i--)
             status = draw(b->gl, s, thing, i, frame, NULL, err);
         if (status == OST_OK)

@@ -7,7 +7,7 @@
  *                          '------> the complete frame
  *
  * The incremental and the complete frame are drawn alternately from the same state, and must be bit-identical
- * every time. The stages are measured in every STAGES_EVERY-th frame. The other times exclude these frames,
+ * every time. The stages are measured in one of STAGES_EVERY frames. The other times exclude this frame,
  * because timing every call of an inner loop makes a frame slower.
  */
 #include "bench/render_kept.h"

@@ -9,9 +9,9 @@
  *
  * All rows use one thread and chunks of 32^3 voxels. Every tick is timed separately.
  *
- * The thesis' kernel runs only at every twentieth tick, because all ticks would take a minute. It always runs on
- * unmodified chunks. Neither changes the result, because the kernel's time depends only on the number of chunks that
- * the tool's box enters.
+ * The thesis' kernel runs only at every twentieth tick, because all ticks would take a minute, and always on
+ * unmodified chunks. Its time depends only on the number of chunks that the tool's box enters, so this does not change
+ * the result.
  */
 #include "bench/path.h"
 

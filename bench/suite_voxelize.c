@@ -10,10 +10,10 @@
  *
  * The baseline is Embree with a packet of rays for sixteen rows, a filter that records every hit, and parity bits as
  * output. Its time includes building the hierarchy. Both of Embree's build qualities are measured, and the row contains
- * the times of the faster one. For a fair comparison, osteon and the baseline write bits into memory that was written
- * before the measurement. osteon's time is the time of the voxelizer alone, without the creation of a tool. A /tool row
- * compares the same baseline with the public call, which allocates the tool's memory. A /bytes row also includes the
- * download, which allocates the bytes and assigns each voxel its class.
+ * the times of the faster one. For a fair comparison, osteon's and the baseline's memory for the bits is written
+ * once before the measurement. osteon's time is the time of the voxelizer alone, without the creation of a tool. A
+ * /tool row compares the same baseline with the public call, which allocates the tool's memory. A /bytes row also
+ * includes the download, which allocates the bytes and assigns each voxel its class.
  */
 #include "bench/baseline_embree.h"
 #include "bench/bench.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tool grids with one bit per voxel, as the cpu backend's voxelizer writes them, and their comparison with tool grids
- * that have one byte per voxel.
+ * Allocates tool grids with one bit per voxel, the format of the cpu backend's voxelizer, and compares them with tool
+ * grids that have one byte per voxel.
  */
 #ifndef OST_BENCH_TOOL_BITS_H
 #define OST_BENCH_TOOL_BITS_H

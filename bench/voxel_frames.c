@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures frames of the two voxel rendering methods with OpenGL (voxel_methods.h), both idle frames and frames while
- * bone is removed. The camera looks along +y, slightly from the side and from above, and sees the complete model. To
- * remove bone, a ball moves along +y into the surface that the camera sees.
+ * Measures the frames that OpenGL draws by the two voxel rendering methods (voxel_methods.h), while nothing changes and
+ * while bone is removed. The camera looks along +y, slightly from the side and from above, and sees the complete model.
+ * To remove bone, a ball moves along +y into the surface that the camera sees.
  */
 #include "bench/voxel_model.h"
 

@@ -186,8 +186,8 @@ typedef struct stage_series {
 } stage_series;
 
 /*
- * Meshes all chunks and adds the times of the stages to ns. The parameter `some` is the number of chunks per call. The
- * last stage includes copying each chunk's vertices to `own`, a buffer for one chunk.
+ * Meshes all chunks and adds the times of the stages to `ns`. The parameter `some` is the number of chunks per call.
+ * The last stage includes copying each chunk's vertices to `own`, a buffer for one chunk.
  */
 static ost_status mesh_all(ost_backend *backend, const ost_face_cluster *clusters, int32_t chunks, int32_t some,
                            ost_face_mesh *mesh, uint32_t *own, double ns[BENCH_VOXEL_STAGES], uint64_t *faces,
