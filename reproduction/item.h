@@ -66,7 +66,7 @@ const reproduction_item *reproduction_find(const char *name);
 ost_status reproduction_begin(reproduction *r, ost_error *err);
 void reproduction_end(reproduction *r);
 
-/* Calls the progress callback of r, if there is one. `share` is the completed share of the work, from 0 to 1. */
+/* Calls the progress callback of r, if there is one. `share` is the fraction of the work that is completed. */
 void reproduction_show(const reproduction *r, const char *stage, double share);
 
 /* The functions of the items. Each file in items/ defines one or several of them. */

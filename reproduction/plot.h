@@ -41,7 +41,8 @@ typedef struct plot {
 void plot_write(FILE *to, const plot *p);
 
 /*
- * Writes a string to XML. The characters < > & and quotation marks become entities, and control characters become '?'.
+ * Writes a string as XML text. The characters < > & and quotation marks become entities, and control characters
+ * become '?'.
  */
 void plot_text(FILE *to, const char *text);
 
@@ -54,7 +55,7 @@ typedef struct plot_axis {
 } plot_axis;
 
 /*
- * Selects the ends and the ticks of an axis for the range of values from `least` to `most`. A linear axis has ticks at
+ * Selects the ends and the ticks of an axis for values in the range [least, most]. A linear axis has ticks at
  * multiples of 1, 2 or 5 times a power of ten. It begins at 0 if the flag `zero` is set and no value is negative. A
  * logarithmic axis has ticks at powers of ten or, if it spans less than two decades, at 1, 2 and 5 times powers of ten.
  */

@@ -11,7 +11,7 @@ enum { WIDTH = 640, HEIGHT = 520, MARGIN = 12 };
 
 /*
  * A parallel projection. The viewer looks from the octant opposite to the direction into the bone. At most three faces
- * of each voxel are visible: for each axis a, the face on side sign[a]. Voxels are drawn from far to near.
+ * of each voxel are visible, one per axis. Voxels are drawn from far to near.
  */
 typedef struct projection {
     const ost_volume *volume;

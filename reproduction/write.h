@@ -4,7 +4,7 @@
  *
  *   result --> ID.json       everything, for programs and for --merge
  *          --> ID.csv        one line per row: the machine, and the value of this run in every column; if the thesis
- *                            states values for a column KEY, a column KEY_thesis follows that contains them
+ *                            states values for a column KEY, the next column, KEY_thesis, contains them
  *          --> ID.svg ...    the plots; ID-2.svg for the second plot of an item
  *          --> pictures      under their own names
  *

@@ -107,8 +107,8 @@ static void to_tool(const double t[3], const double q[4], const double bone[3], 
 typedef struct sums {
     double grid, bone, total;      /* volumes of the errors A, C and B (see above) in mm^3, summed over the poses */
     /*
-     * `removed` is the removed volume in mm^3. A wrong voxel was removed or kept by mistake: `worst` is the greatest
-     * distance in mm from the centre of a wrong voxel to the surface, and `voxels` is the number of wrong voxels.
+     * `removed` is the removed volume in mm^3. `voxels` is the number of voxels that are in only one of the two sets,
+     * and `worst` is the greatest distance in mm from the centre of such a voxel to the solid's surface.
      */
     double removed, worst, voxels;
     int poses;

@@ -283,8 +283,8 @@ static void describe_crossing(const reproduction *r, char text[64], int n)
         snprintf(text, 64, "for up to %d chunk%s", n, n == 1 ? "" : "s");
 }
 
-/* Judges the thesis' statements about the crossing. This is the greatest number of chunks for which the chunk system is
-   at least as fast as the method that the string `base` selects. Compares the lowest with the highest resolution. */
+/* Judges the thesis' statements about the crossing, that is, the greatest number of chunks for which the chunk system
+   is at least as fast as the method named by `base`. Compares the lowest resolution with the highest. */
 static void judge_crossing(const reproduction *r, result *out, const char *base, const char *who)
 {
     const methods_row *highest = NULL, *lowest = NULL;
@@ -407,8 +407,8 @@ ost_status item_yau(reproduction *r, result *out, ost_error *err)
 /* -------------------------------------------------------------- Figure 3.9 */
 
 /*
- * Returns the element of `list` that is closest to `side`, the side of a grid in voxels. A grid is slightly larger than
- * its nominal size.
+ * Returns the element of `list` that is closest to `side`, the side of a grid in voxels. The two may differ, because a
+ * grid is slightly larger than its nominal size.
  */
 static int32_t nearest_side(const int32_t *list, int count, int32_t side)
 {

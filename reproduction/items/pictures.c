@@ -86,8 +86,8 @@ ost_status item_samples(reproduction *r, result *out, ost_error *err)
             status = model_cubic(m, &j.bone, err);
         snprintf(caption, sizeof caption, "%s %s", letters[id], m->name);
         /*
-         * The extent of the view applies to the centre of the core. It is 1.6 times the core's height, because the near
-         * edge of the core appears larger.
+         * The view's extent is measured in the plane through the core's centre. It is 1.6 times the core's height,
+         * because the near edge of the core appears larger.
          */
         if (status == OST_OK)
             status = add_view(&j,
@@ -137,7 +137,7 @@ ost_status item_active_chunks(reproduction *r, result *out, ost_error *err)
 
 /* -------------------------------------------------------------- Figure 2.2 */
 
-/* Adds a drawing of the voxels of a grid in a box around the glenoid. */
+/* Adds a drawing of those voxels of a grid that lie in a box around the glenoid. */
 static ost_status add_blocks(job *j, const ost_volume *volume, const char *suffix, const char *caption)
 {
     const ost_geometry *g = &volume->geometry;

@@ -48,8 +48,8 @@ typedef struct matrix_map {
 } matrix_map;
 
 /*
- * The base of a far block (AR-MAP-5). Every coordinate of the block is then negative: the 15 steps along three
- * axes add up to less than 2^29 (AR-MAP-5), so all sums are in [-2^30 - 2^29, -2^29).
+ * The base of a far block (AR-MAP-5). With this base, every coordinate of the block is negative: the sum of up to
+ * 15 steps along each axis is less than 2^29 (AR-MAP-5), so all coordinates are in [-2^30 - 2^29, -2^29).
  */
 #define MATRIX_FAR (-(1 << 30))
 

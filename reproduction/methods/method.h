@@ -42,7 +42,7 @@ ost_status methods_scene_static(methods_scene *scene, ost_tool_kind tool, ost_pm
  */
 ost_status methods_scene_middle(methods_scene *scene, ost_tool_kind tool, ost_pm tool_voxel, int32_t bone_side,
                                 int chunk_size, int chunk_count, ost_error *err);
-/* Makes the event of methods_scene_middle for a bone of 128^3 voxels of 0.47 mm, but not the voxels of this bone. */
+/* Makes only the event of methods_scene_middle, without a bone's voxels. The bone has 128^3 voxels of 0.47 mm. */
 ost_status methods_middle_event(bench_scene *event, ost_tool_kind tool, ost_pm tool_voxel, ost_error *err);
 /* Computes scene->region. The caller has already set the event and the voxels. */
 void methods_scene_set_region(methods_scene *scene);
@@ -96,8 +96,8 @@ void method_define_bone_to_tool(method_set *set, const bench_scene *event, const
 void method_define_tool_to_bone(method_set *set, const struct method_points *points, const struct points_map *map,
                                 ost_dims bone, const int16_t *voxels);
 /*
- * Counts the differences between `set` and `expected`, the set of method_define_bone_to_tool. Ignores a difference that
- * rounding to floats explains, because the voxel's position in the tool's grid is close to a border of tool voxels.
+ * Counts the differences between `set` and `expected`, the set of method_define_bone_to_tool. Ignores voxels whose
+ * position in the tool's grid is close to a border of tool voxels, because rounding to floats explains the difference.
  */
 int64_t method_beyond_floats(const method_set *expected, const method_set *set, const bench_scene *event);
 

@@ -69,7 +69,7 @@ typedef struct methods_row {
     /* the scene */
     const char *tool;               /* "reamer" or "peg" */
     ost_pm tool_voxel, bone_voxel;  /* edge lengths */
-    int32_t tool_side, bone_side;   /* longest side of the tool's grid and side of the bone, in voxels */
+    int32_t tool_side, bone_side;   /* in voxels: longest side of the tool's grid; side of the bone */
     int64_t tool_voxels;            /* number of the tool's cutting voxels */
     int64_t tool_points;            /* number of tool points, of the kind options->points */
     int chunk_size;

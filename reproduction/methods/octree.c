@@ -154,8 +154,8 @@ static bool tree_copy(tree *to, const tree *from)
 /* ------------------------------------------------------------------ the event */
 
 /*
- * Determines the content of the tool in the region of a node with this edge. `u` is the tool coordinate of the node's
- * first voxel.
+ * Determines the tool's content in the region of a node with `edge` voxels per edge. `u` is the tool coordinate of the
+ * node's first voxel.
  */
 static pyramid_found content_over(const octree *s, const int32_t u[3], int32_t edge)
 {
@@ -284,8 +284,8 @@ static void run_task(octree *s, task *t)
     t->is_void = remove_from(s, t, t->node, TASK_LEVEL, none, m->base[block]);
 }
 
-/* Updates the tree after an event, from a node down to the tasks, which are nodes of 16^3 voxels: sets each child that
-   became void to 0. *next is the index of the next task in the order of list_tasks. Returns true if the given node is
+/* After an event, updates a node and its descendants down to the tasks, which are nodes of 16^3 voxels: sets each child
+   that became void to 0. *next is the index of the next task in the order of list_tasks. Returns true if the node is
    void. */
 static bool refresh(octree *s, int32_t index, int level, const int32_t corner[3], size_t *next)
 {
