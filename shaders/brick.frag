@@ -87,9 +87,9 @@ void main()
         float first = min(min(next.x, next.y), next.z);
         bvec3 least = equal(next, vec3(first));
         /*
-         * Detects that the ray crosses the planes of two axes at almost the same distance. For each axis, `width` is
-         * the length of the ray between adjacent planes. `apart` is the difference of the two distances, divided by the
-         * greater of the two widths.
+         * Tests whether the ray crosses the planes of two axes at almost the same distance. For each axis, `width` is
+         * the length of the ray between adjacent planes. `apart` is the difference between the two distances, divided
+         * by the greater of the two widths.
          */
         float slow = max(max(least.x ? width.x : 0.0, least.y ? width.y : 0.0), least.z ? width.z : 0.0);
         vec3 apart = (next - first) / max(width, vec3(slow));

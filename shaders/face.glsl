@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes the face through which a ray enters a voxel, and the light on this face, by the same operations as `resolve`
- * in points/splat_scalar.c.
+ * Computes the face through which a ray enters a voxel, and the light on this face, with the same operations as
+ * `resolve` in points/splat_scalar.c.
  */
 uint enter(vec3 o, vec3 d, out float t)
 {

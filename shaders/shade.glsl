@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Computes the colour of a fully lit voxel, 0xBBGGRR, with the same integer operations as points/light.c. */
-/* Entries 0 to 16383 belong to the octahedral cells (brightness in 256ths | gloss << 9). The colours of the paints
-   follow. */
+/* Entries 0 to 16383 contain brightness in 256ths | gloss << 9, one for each octahedral cell of normals. The other
+   entries contain the colours of the paints. */
 uniform usamplerBuffer palette;
 
 uint tint_of(uint shade)

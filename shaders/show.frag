@@ -33,8 +33,8 @@ int side(ivec2 p, ivec2 to)
     return any(greaterThanEqual(abs(pixel(p) - pixel(p + to)), ivec3(LEAST))) ? 1 : 0;
 }
 
-/* Returns the number of sides by which the run extends beyond the side between `p` and `p + across` in the
- * direction `along`, limited to RUN + 1. */
+/* Returns the number of sides, at most RUN + 1, by which the run extends in the direction `along` beyond the side
+ * between `p` and `p + across`. */
 int run_of(ivec2 p, ivec2 across, ivec2 along)
 {
     int n = 0;
