@@ -358,7 +358,7 @@ ost_status ost_anatomy_blade_find(const anatomy_cells *cells, const double centr
     follow_crest(&sides[posterior], &spine);
     if (!find_trigonum(cells, &f, &spine, out->trigonum))
         return ost_fail(err, OST_ERR_INPUT, "the spine does not reach the medial border: the scapula is not complete");
-    /* On a right scapula, the cross product of lateral and superior points in the posterior direction. */
+    /* On a right scapula, lateral x superior is the posterior direction. */
     double lateral[3], across[3];
     for (int a = 0; a < 3; a++)
         lateral[a] = -f.medial[a];

@@ -15,7 +15,7 @@
  *   inferior angle  the bone's farthest point in the direction 20 degrees medial of inferior; the inferior direction
  *                   is first estimated from the point that is farthest from the glenoid
  *   posterior       the side of the blade's plane on which the spine rises
- *   trigonum        the point of the medial border on the line of the spine's crest
+ *   trigonum        the point at which the line of the spine's crest meets the medial border
  */
 #ifndef OST_ANATOMY_BLADE_H
 #define OST_ANATOMY_BLADE_H

@@ -18,7 +18,7 @@ enum { WAYS = OST_RIM_MAX, ROUNDS = 5 };
 #define FALL_MM 3.0
 #define LEVEL_MM 1.0
 #define CLIMB_MM 8.0 /* maximum height above the centre; higher positions are on the coracoid or the acromion */
-/* maximum difference between the rim's distance from the axis in one direction and the median over five adjacent
+/* maximum difference between the rim's distance from the axis and the median of this distance over five adjacent
  * directions */
 #define OUTLIER_MM 4.0
 /* maximum distance of a point from the first plane; points farther away are excluded from the second fit */
@@ -278,7 +278,7 @@ bool ost_anatomy_face_align(const anatomy_field *f, const anatomy_variant *varia
         *width = extent[1];
         if (face->seen_share < 0.5 || !mean_chord(face, way[0], chord[0]) || !mean_chord(face, way[1], chord[1]))
             return false;
-        /* The chords are close to way[0] and way[1], and way[1] x way[0] = inward. */
+        /* The chords are close to way[0] and way[1], so their cross product points inward, as way[1] x way[0] does. */
         ost_vector_cross(chord[1], chord[0], face->inward);
         (void)ost_vector_unit(face->inward, 0);
         const double from[3] = {face->centre[0], face->centre[1], face->centre[2]};

@@ -15,7 +15,7 @@
 #include "anatomy/field.h"
 
 /*
- * The parameters of a measurement. `level` is the share of bone on the surface. Only the directions k of the
+ * The parameters of a measurement. The surface is where the share of bone equals `level`. Only the directions k of the
  * rim with k % every == first are used.
  */
 typedef struct anatomy_variant {

@@ -158,8 +158,7 @@ static ost_status fine_make(const ost_anatomy_bone *bone, const double at[3], an
 }
 
 /*
- * Selects the candidate whose rim was found in the greatest share of the directions. Candidates without a rim or a
- * blade are ignored.
+ * Selects the candidate whose rim was found in the most directions. Candidates without a rim or a blade are ignored.
  */
 static ost_status choose(const ost_anatomy_bone *bone, const coarse *c, const ost_sphere *spheres, int count,
                          anatomy_field *fine, proposal *best, int *chosen, ost_error *err)

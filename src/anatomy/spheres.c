@@ -183,7 +183,7 @@ static bool seen_from(const search *s, const double centre[3], const anatomy_poi
 
 /*
  * Tries all permitted radii in steps of 0.5 mm. Returns the radius in mm for which the points within COARSE_MM / 2 of
- * the sphere cover the greatest share of it.
+ * the sphere cover the largest part of the sphere.
  */
 static double best_radius(const search *s, const double centre[3])
 {

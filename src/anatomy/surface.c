@@ -28,10 +28,9 @@ static ost_status add(anatomy_surface *s, const anatomy_point *point, ost_error 
 }
 
 /*
- * Each surface point receives an area, and the sum of all areas is the area of the surface. Where the surface has the
- * unit normal n, one unit of its area contains |n_a| / A points along axis a. A is the area of a cell's face across
- * axis a. A point along axis a therefore receives the area A |n_a|. Per unit of area, the sum over the three axes is
- * then n_x^2 + n_y^2 + n_z^2 = 1.
+ * Each surface point receives an area, and the sum of all areas is the area of the surface. Let n be the surface's unit
+ * normal, and let A be the area of a cell's face across axis a. One unit of the surface then contains |n_a| / A points
+ * along axis a, and each of them receives the area A |n_a|. The sum over the three axes is n_x^2 + n_y^2 + n_z^2 = 1.
  */
 ost_status ost_anatomy_surface_make(const anatomy_field *f, anatomy_surface *out, ost_error *err)
 {
