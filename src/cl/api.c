@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The table of the functions of the system's OpenCL loader. Of these functions, only clCreateCommandQueue is deprecated
-   in versions after OpenCL 1.2. */
+/* A table with the functions of the system's OpenCL loader. Only clCreateCommandQueue is deprecated in versions after
+   OpenCL 1.2. */
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include "cl/api.h"
 

@@ -3,8 +3,7 @@
  * The bones of the `cl` backend: a pool of slots on the device, and a table of chunks on the host
  * (AR-CHK).
  *
- * Slices are stored in two passes. If memory is insufficient, the operation therefore fails before it has changed
- * anything:
+ * Slices are stored in two passes, so that the operation changes nothing if memory is insufficient:
  *
  *   scan    counts, for each chunk, the voxels that the slices make active  only reads
  *           slots are assigned to the chunks that need one; the pool grows if needed
@@ -195,8 +194,8 @@ typedef struct slices {
     cl_mem slab;           /* the slices to convert: a buffer of `step` slices, or the store of a grid */
     /* slice k has the index layers[first + k - z0] in the slab or, if `first` is negative, the index k - z0 */
     cl_mem layers;
-    /* If weights >= 0, slice k is the weighted mean of the slice with this index and the next slice of the slab. The
-       weight of the next slice is layers[weights + k - z0]. */
+    /* If weights >= 0, slice k is the weighted mean of the slab's slice that `layers` gives for k and the next slice of
+       the slab. The weight of the next slice is layers[weights + k - z0]. */
     int32_t first, weights;
     int32_t step;
 } slices;

@@ -24,8 +24,8 @@ _Static_assert(sizeof(entry_head) == 80, "no padding");
 
 static const char magic[8] = {'O', 'S', 'T', 'C', 'L', 'B', '0', '1'};
 
-/* Maximum size of an entry in bytes, far more than any program has. Without this limit, a damaged length could cause a
-   huge allocation. */
+/* Maximum size of an entry in bytes, far above the size of any program. Without this limit, a damaged length could
+   cause a huge allocation. */
 enum { ENTRY_MAX = 1 << 28 };
 
 /* Finds the folder of the cache. Relative folders in environment variables are ignored, as the XDG base directory

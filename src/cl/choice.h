@@ -56,7 +56,7 @@ typedef struct ost_cl_options {
     size_t workgroup;                                /* number of work items per work group; 0 selects the default */
     /* maximum number of bytes that a stage transfers or processes at a time; 0 selects the stage's own limit */
     size_t staging;
-    /* seed with which work items are permuted (OST_ORDER of kernels/common.h); 0 for no permutation */
+    /* seed of the permutation of work items (OST_ORDER of kernels/common.h); 0 for no permutation */
     unsigned order;
     ost_cl_set kernels;
 } ost_cl_options;

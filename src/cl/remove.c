@@ -4,7 +4,7 @@
  *
  *   host    chunks with a slot that overlap a pose's box     ascending, as in the report
  *             their blocks of 16^3
- *               entries: the poses that may reach the block, with its base
+ *               entries: the poses that may reach the block, each with the block's base
  *   queue   event with poses, blocks, entries -> ost_remove -> a report per block
  *   host    waits once, for the reports; sums the reports of each chunk
  *

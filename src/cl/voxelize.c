@@ -3,7 +3,7 @@
  * Voxelization (AR-VOX) on the device, where a work item processes one triangle. For
  * devices that are CPUs, see voxelize_tiles.c.
  *
- *   for each range of slices whose steps fit the buffer
+ *   for each range of slices whose steps fit in the buffer
  *     for the noncutting mesh, then for the cutting mesh
  *       steps   +1 and -1 of every triangle, by integer atomics
  *       fill    a running sum along each row
@@ -69,7 +69,7 @@ static ost_status count_slices(cl_backend *b, const ost_cl_vox *vox, cl_mem clas
     return status;
 }
 
-/* Returns the number of slices whose steps fit the buffer of steps. The result is at least 1. */
+/* Returns the number of slices whose steps fit in the buffer of steps. The result is at least 1. */
 static int32_t step_slices(const cl_backend *b, ost_dims dims)
 {
     const size_t slice = (size_t)dims.y * ((size_t)dims.x + 1) * sizeof(int32_t);

@@ -26,8 +26,8 @@ typedef struct tile_size {
 } tile_size;
 
 /*
- * The first and the last centre along y and z within the bounds of a vertex or a triangle. If the bounds contain no
- * centre on an axis, the last centre is less than the first; for a vertex, it is less by 1.
+ * The indices of the first and the last centre along y and z within the bounds of a vertex or a triangle. If the bounds
+ * contain no centre on an axis, the last index is less than the first (for a vertex, by 1).
  */
 typedef struct centres {
     int16_t y0, z0, y1, z1;

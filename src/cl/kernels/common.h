@@ -59,7 +59,7 @@ static inline long ost_rhe_div(long n, long d)
 /*
  * ost_mean15 returns RHE(sum / 2^15) for |sum| <= 2^30, and ost_mean45 returns
  * RHE(sum / 2^45) for |sum| <= 2^60.  The result is a weighted mean of densities
- * (AR-CUB-2).  The unit is 2^15 or 2^45:
+ * (AR-CUB-2).  Let `unit` be 2^15 or 2^45, respectively:
  *
  *   up     = sum + 2^15 unit                            up >= 0
  *   odd    = floor(up / unit) mod 2                     1 if floor(sum / unit) is odd, as 2^15 is even

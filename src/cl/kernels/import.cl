@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Converts the samples of a CT text to the rect grid (AR-CT-4..6), as described in
- * shared.h.  Three launches are needed, because the sample that determines a voxel is
- * known only after all samples have been compared.  Each voxel has an element in `owner`:
+ * shared.h.  Three launches are needed, because the sample that determines a voxel's
+ * density is known only after all samples have been compared.  Each voxel has an element in `owner`:
  *
  *   claim     sets the element to the greatest key of the voxel's samples
  *   place     selects the sample that writes the voxel (for max, also sets a flag)
  *   check     sets the element to 0 again
  *
- * Ranges.  |p|, |origin| <= 8 * 10^12, so |p - origin| < 2^44 and, with
- * spacing <= 10^11, |index * spacing| < 2^45.  off <= spacing / 2, so
- * 8 off < 2^39 and 10^6 off < 2^56.
+ * Ranges.  Let p be a coordinate of a sample.  |p|, |origin| <= 8 * 10^12, so
+ * |p - origin| < 2^44 and, with spacing <= 10^11, |index * spacing| < 2^45.
+ * The offset from the lattice, `off`, is at most spacing / 2, so 8 off < 2^39 and
+ * 10^6 off < 2^56.
  */
 
 #define OST_LENGTH_MAX 8000000000000l
@@ -59,7 +60,7 @@ static ost_ct_position ost_ct_position_of(__global const ost_cl_scatter *scatter
 }
 
 /* Returns the key of a sample, from 1 to 2^31 - 1. Of all samples of a voxel, the sample with the greatest key
-   determines the voxel. */
+   determines the voxel's density. */
 static uint ost_key(__global const ost_cl_scatter *scatter, uint i, int density)
 {
     if (scatter->duplicates == OST_CL_DUPLICATES_LAST)
@@ -243,8 +244,8 @@ __kernel void ost_cubic_gather(__global const ost_cl_cubic *cubic, __global cons
 }
 
 /*
- * Interpolates a run of voxels.  The sum along x of each of four rows, at most 2^30, is multiplied
- * by the product of the row's weights along y and z, and the four results are added.  The four
+ * Interpolates a run of voxels.  For each of four rows, the sum along x, at most 2^30, is multiplied
+ * by the product of the row's weights along y and z.  The four results are added.  The four
  * products of weights sum to 2^30.  A neighbour with weight 0 may lie outside the grid; the voxel
  * itself is then read instead of the neighbour.
  */

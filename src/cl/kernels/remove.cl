@@ -12,8 +12,8 @@
  *   row       . . # # # # # # # # # # # . . .     active
  *   tool        empty    |   cutting                first look-up in the middle, then from the left
  *
- * Ranges: by AR-MAP-5, every sum and every part of a sum fits int. A coordinate u is in [-2^30, 2^31), so u + 2^30 is
- * an unsigned number in [0, 3 * 2^30), and (u + 2^30) >> 20 is the index of the tool voxel plus 1024.
+ * Ranges: by AR-MAP-5, every sum and every part of a sum fits in an int. A coordinate u is in [-2^30, 2^31), so
+ * u + 2^30 is an unsigned number in [0, 3 * 2^30), and (u + 2^30) >> 20 is the index of the tool voxel plus 1024.
  */
 
 #ifndef OST_ROWS

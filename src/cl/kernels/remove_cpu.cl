@@ -13,7 +13,7 @@
  * looked up voxel by voxel.
  *
  *   word b + 4 k     the rows 4 b, 4 b + 1, 4 b + 2, 4 b + 3 of plane k, 16 bits each (variable `four`)
- *   group b + 4 c    the words b + 4 k of the planes k = 4 c to 4 c + 3: the rows of a row of bricks
+ *   group b + 4 c    the words b + 4 k of the planes k = 4 c to 4 c + 3: four bricks side by side along x
  *   brick            64 bits: voxel (x, y, z) is bit x + 4 z + 16 y, so that plane z is (bits >> 4 z) & OST_EACH_NIBBLE
  *
  * The vectors are vector types of OpenCL C (uint16, int8), so the compiler need not vectorize loops. The ranges are the
@@ -557,7 +557,7 @@ __kernel void ost_remove_blocks(__global const ost_cl_event *event, __global con
      * The sums for c cover the hit voxels whose density is at least border c; the sums for c = 0 cover all hit voxels.
      * The result of class c is the sums for c minus the sums for c + 1.
      */
-    uint above = 0, above_sum = 0; /* number of hits, and sum of densities, of the class above (c + 1) */
+    uint above = 0, above_sum = 0; /* the sums for c + 1 */
     for (int c = OST_CL_CLASSES - 1; c >= 0; c--) {
         uint voxels = 0, sum = 0;
         if (c == 0)

@@ -80,10 +80,10 @@ typedef uint64_t ost_cl_u64;
  *   report   ost_cl_scatter_report[1]     of the batch; at first, lines and index are OST_CL_NONE, all else is 0
  *
  * ost_ct_claim: For every readable sample inside the grid, atomic_max raises the owner of the sample's voxel to the
- * sample's key. The sample that determines the voxel has the greatest key: the earliest sample (rules `error` and
- * `first`), the latest (`last`) or the densest (`max`). Exactly one sample of each voxel finds the previous owner 0;
- * which one may vary. This sample is a duplicate only if the voxel's bit of `seen` is 1. All other samples of the voxel
- * are duplicates. The number of duplicates therefore does not vary.
+ * sample's key. The sample that determines the voxel's density has the greatest key: the earliest sample (rules
+ * `error` and `first`), the latest (`last`) or the densest (`max`). Exactly one sample of each voxel finds the previous
+ * owner 0; which one may vary. This sample is a duplicate only if the voxel's bit of `seen` is 1. All other samples of
+ * the voxel are duplicates. The number of duplicates therefore does not vary.
  * ost_ct_place: The sample with the greatest key writes its voxel. Keys are unique, except with the rule `max`: several
  * samples of the same density may then have the greatest key, and the first of them that sets a flag writes the voxel.
  * The kernel also finds the first line with the worst offset.
@@ -166,22 +166,24 @@ typedef struct ost_cl_cubic {
  *   slab.  The weight of the next slice is layers[weights + k - z0] / 2^15.  If it is 0, the next slice may not exist.
  *   The buffer `layers` has no further elements, and its slice numbers ascend.  The buffer is not used if first < 0.
  *
+ *   The description of each kernel begins with its range.
+ *
  *   ost_chunk_scan(bone, z0, z1, first, weights, layers, slab, active)
  *       z1 - z0, chunk_dims.x * chunk_dims.y.  Counts the chunk's voxels in the slab that are at least the threshold,
  *       and adds the count to active[chunk] (uint[chunks], zeros at first).
  *   ost_chunk_scan_layers(...)
- *       ost_chunk_scan for CPUs: chunk_dims.y, chunk_dims.z.  An item processes a row of chunks along x.
+ *       chunk_dims.y, chunk_dims.z.  ost_chunk_scan for CPUs: an item processes a row of chunks along x.
  *   ost_chunk_store(bone, z0, z1, first, weights, layers, slab, slots, density, words)
  *       n * n / 32, chunk_dims.x * chunk_dims.y, z1 - z0.  An item writes one word and its 32 densities, if the chunk
  *       has a slot.  Voxels below the threshold become 0, and so do those in the padding beyond dims.x or dims.y.
  *       Planes of padding beyond dims.z are never written: a slot is filled with zeros before it is used.
  *   ost_chunk_store_layers(...)
- *       ost_chunk_store for CPUs: chunk_dims.x * chunk_dims.y, chunk_dims.z.  An item processes a chunk.  With the last
+ *       chunk_dims.x * chunk_dims.y, chunk_dims.z.  ost_chunk_store for CPUs: an item processes a chunk.  With the last
  *       slice (dims.z - 1) it also writes the planes of padding.
  *   ost_chunk_load(bone, z0, z1, slots, density, slab)
  *       dims.x, dims.y, z1 - z0.  The inverse of storing; chunks without a slot are read as 0.
  *   ost_chunk_load_rows(...)
- *       ost_chunk_load for CPUs: chunk_dims.y, z1 - z0.  An item processes a slice of a row of chunks along x.
+ *       chunk_dims.y, z1 - z0.  ost_chunk_load for CPUs: an item processes a slice of a row of chunks along x.
  *   ost_chunk_count(bone, first, count, words, active)
  *       n, count.  For i < count, adds the number of bits that are set in slot first + i to active[i] (uint[count],
  *       zeros at first).
@@ -304,7 +306,7 @@ typedef struct ost_cl_tool {
  *     poses_at     const ost_cl_pose[...]
  *     blocks_at    const ost_cl_block[event.blocks]   16^3 voxels each, aligned to voxel (0, 0, 0), of chunks with a
  *                                                     slot; no block twice
- *     entries_at   const ost_cl_entry[...]            the poses that may reach a block, with the block's base
+ *     entries_at   const ost_cl_entry[...]            the poses that may reach a block, each with the block's base
  *   cells    const uchar[tool voxels]           dims <= 1024 per axis
  *   windows  const uchar[...]                   of class 1, then, if event.touches, of class 2
  *   density  short[...], words  ushort[...]     the pool; words are the same bytes as in ost_chunk_*, two per uint,
@@ -318,7 +320,7 @@ typedef struct ost_cl_tool {
  * each part, the reach of a tool voxel determines the class of the entire part.  For each entry of the block, the
  * voxels that the tool hits or touches at the entry's pose are marked.  A voxel is hit if it is hit at one or more
  * poses, so the order of entries does not matter.  The counts of a block are at most 4096 voxels and its sums of
- * densities at most 2^12 * 2^15, so they fit 32 bits.
+ * densities at most 2^12 * 2^15, so they fit in 32 bits.
  *
  * The host omits an entry if the pose's box does not overlap the block, or if the base is far (AR-MAP-5).  It also
  * omits blocks without entries.  Within a block, the kernels apply the box to each voxel, so that boxes have the
@@ -449,9 +451,9 @@ _Static_assert(sizeof(ost_cl_block_report) == 80, "layout");
  *
  * planes: along an axis, the coordinates of a brick are at most 3 t above the least coordinate. The brick's tool voxels
  * are therefore the voxel of the least coordinate and at most floor(3 t / 2^20) + 1 further voxels. A window begins
- * with the voxel of the least coordinate or, along x, at most one voxel before. Therefore 8 voxels contain a brick if 3
- * t < 7 * 2^20 (along x, if 3 t < 6 * 2^20), and 6 planes along z contain a brick if 3 t < 5 * 2^20. With 0.94 tool
- * voxels per bone voxel, 3 t < 4.9 * 2^20 in any rotation.
+ * with the voxel of the least coordinate or, along x, at most one voxel before. Therefore 8 voxels contain a brick
+ * if 3 t < 7 * 2^20 (along x, if 3 t < 6 * 2^20), and 6 planes along z contain a brick if 3 t < 5 * 2^20. With 0.94
+ * tool voxels per bone voxel, 3 t < 4.9 * 2^20 in any rotation.
  */
 static inline void ost_cl_pose_reach(ost_cl_pose *pose)
 {

@@ -78,9 +78,9 @@ typedef struct ost_pass {
  * are updated by additions. Let R = K - nx 2^f i_first. The crossing is at the least q >= 0 with nx 2^f q >= R, which
  * is found bit by bit.
  *
- * Ranges. Lanes with fewer rows leave their bounds by up to 2^12 rows, that is 2^20 units: |E| <= 2 * 2^20 * 2^21 + 1.
- * As |n| <= 2^40, |R| < 3 * 2^61. A step of R is at most 2 * 2^50, a step of E is at most 2^30, and nx 2^f 2^12 <=
- * 2^62.
+ * Ranges. A lane with fewer rows continues up to 2^12 rows, or 2^20 units, beyond its bounds, so
+ * |E| <= 2 * 2^20 * 2^21 + 1. As |n| <= 2^40, |R| < 3 * 2^61. A step of R is at most 2 * 2^50, a step of E is at most
+ * 2^30, and nx 2^f 2^12 <= 2^62.
  */
 static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, __global const uint *triangles,
                            __global const uint *list, int count, __global int *steps, __global ulong *marks)
@@ -140,7 +140,7 @@ static void ost_mark_eight(const ost_pass *pass, __global const int *vertices, _
     const long8 e0_j = ost_shifted8(dz0, f), e1_j = ost_shifted8(dz1, f), e2_j = ost_shifted8(dz2, f),
                 residual_j = ost_shifted8(ny, f);
     const long8 wide = ost_shifted8(nx, f);
-    /* upper bound of q - 1 in all lanes, because crossings lie within the bounds along x */
+    /* upper bound on q - 1 in all lanes, because crossings lie within the bounds along x */
     const int furthest = ost_most_of8((most[0] - least[0]) & ~none);
     const int bits = furthest > 0 ? 32 - (int)clz((uint)furthest) : 0;
     int row[8], row_at[8], step[8];
