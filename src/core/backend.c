@@ -168,7 +168,7 @@ ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t coun
     return rect->backend->ops->ct_to_rect(rect, samples, count, first_line, duplicates, report, err);
 }
 
-/* Returns ceil(dim * rect / cubic). dim < 2^15 and rect < 2^37, so the product fits int64. */
+/* Returns ceil(dim * rect / cubic). dim < 2^15 and rect < 2^37, so the product fits in int64. */
 static int64_t cubic_dim(int32_t dim, ost_pm rect, ost_pm cubic)
 {
     return ost_ceil_div(dim * rect, cubic);
@@ -177,7 +177,7 @@ static int64_t cubic_dim(int32_t dim, ost_pm rect, ost_pm cubic)
 /*
  * Returns the origin of the cubic grid (AR-CUB-1). The corner of the grid's box lies half a rect voxel before the first
  * centre of the rect grid, and the first centre of the cubic grid lies half a cubic voxel inside that corner. |origin|
- * < 2^43 and spacing < 2^37, so the sum fits int64.
+ * < 2^43 and spacing < 2^37, so the sum fits in int64.
  */
 static ost_pm cubic_origin(ost_pm origin, ost_pm rect, ost_pm cubic)
 {

@@ -59,8 +59,8 @@ struct ost_backend_ops {
      */
     bool (*available)(char *reason, size_t size);
     /*
-     * Calls `visit` for every device; for an unusable device, `visit` receives the reason. If the backend has no choice
-     * of devices, `visit` is not called. The slot is slow, because it tests the devices.
+     * Calls `visit` for every device; for an unusable device, `visit` receives the reason. If there are no devices
+     * to choose from, `visit` is not called. The slot is slow, because it tests the devices.
      */
     ost_status (*devices)(ost_device_visit *visit, void *user, ost_error *err);
     /* Opens a backend. `options` is the text after "name:", or "". Sets *out but not (*out)->ops, which the caller
@@ -181,7 +181,7 @@ extern const ost_backend_ops ost_backend_cpu;
 extern const ost_backend_ops ost_backend_cl;
 extern const ost_backend_ops ost_backend_plugin;
 
-/* Implements the `devices` slot for a backend that has no choice of devices. */
+/* Implements the `devices` slot for a backend without devices to choose from. */
 ost_status ost_no_devices(ost_device_visit *visit, void *user, ost_error *err);
 /* Implements the `bone_sample` slot for a backend that can read only slices. */
 ost_status ost_no_sample(const ost_bone *bone, size_t count, const int32_t *const at[3], int16_t *densities,

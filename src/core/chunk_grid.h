@@ -20,7 +20,7 @@
  * digest depends neither on n nor on the order of events (AR-CHK-3).
  *
  * Ranges: dims <= 2^14 on each axis and n >= 16, so there are at most 2^30 chunks,
- * and the index of a chunk fits int32.
+ * and the index of a chunk fits in an int32.
  */
 #ifndef OST_CORE_CHUNK_GRID_H
 #define OST_CORE_CHUNK_GRID_H

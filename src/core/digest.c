@@ -111,7 +111,7 @@ ost_dims ost_leaf_dims(ost_dims dims)
                       (dims.z + OST_LEAF - 1) / OST_LEAF};
 }
 
-/* Computes the root of the tree over count leaves. The depth of the recursion is log2(count), at most 36. */
+/* Computes the root of the tree over `count` leaves. The depth of the recursion is log2(count), at most 36. */
 static ost_status tree(const ost_digest *leaves, size_t count, ost_digest *out, ost_error *err)
 {
     if (count == 1) {

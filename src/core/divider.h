@@ -4,8 +4,8 @@
  * is estimated by a multiplication with the reciprocal. The remainder shows whether the estimate must be corrected, by
  * at most one.
  *
- * Let D be the divisor. Let s be the integer for which d = floor(D / 2^s) is in [2^61, 2^62); for s < 0, d = D 2^-s.
- * Let I = floor(2^124 / (d + 1)), which is in [2^62, 2^63). Then
+ * Let D be the divisor, and let n be the dividend. Let s be the integer for which d = floor(D / 2^s) is in
+ * [2^61, 2^62); for s < 0, d = D 2^-s. Let I = floor(2^124 / (d + 1)), which is in [2^62, 2^63). The estimate is e:
  *
  *     h = floor(n / 2^(s+46))       e = floor(h I / 2^78)
  *
@@ -17,7 +17,7 @@
  * below (5 (2^62 + 1) + 2^63) / 2^78 < 2^-12, so e differs from floor(n / D) by at most one.
  *
  * Ranges: |h I| < 2^126; the remainder is within [-D, 2 D) before it is
- * corrected, so |e D| <= |n| + 2 D, which fits 128 bits for |n| < 2^126 and D <= 2^120.
+ * corrected, so |e D| <= |n| + 2 D, which fits in 128 bits for |n| < 2^126 and D <= 2^120.
  */
 #ifndef OST_CORE_DIVIDER_H
 #define OST_CORE_DIVIDER_H

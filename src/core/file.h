@@ -82,7 +82,7 @@ ost_status ost_file_bytes(const char *path, const ost_file *file, char **bytes, 
 
 /*
  * Reads a complete regular file into new memory, which the caller frees. The bytes are followed by a NUL that is not
- * counted in *size. *bytes is NULL after a failure. Returns OST_ERR_RANGE if the file has more than max bytes,
+ * counted in *size. *bytes is NULL after a failure. Returns OST_ERR_RANGE if the file has more than `max` bytes,
  * OST_ERR_IO if its size changes while it is read, or OST_ERR_MEMORY. *absent is set to true if no file has this name,
  * otherwise to false. The pointer `absent` may be NULL.
  */

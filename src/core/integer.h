@@ -2,7 +2,7 @@
 /*
  * Exact integer division (docs/spec/arithmetic.md, AR-INT): floor, ceiling, and
  * RHE (round half to even).  Divisors must be positive, and the quotient must fit
- * the result type.
+ * in the result type.
  */
 #ifndef OST_CORE_INTEGER_H
 #define OST_CORE_INTEGER_H

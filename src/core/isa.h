@@ -57,8 +57,7 @@ typedef struct ost_isa_cpuid {
 ost_isa ost_isa_decide(const ost_isa_cpuid *cpuid);
 
 /*
- * Returns true if level `isa` includes `level`, that is, if every machine of level `isa` can also execute code of
- * `level`.
+ * Returns true if every machine of the level `isa` can also execute code of the level `level`.
  */
 static inline bool ost_isa_includes(ost_isa isa, ost_isa level)
 {

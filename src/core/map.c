@@ -92,7 +92,7 @@ ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, const os
  * rotation, and each RHE adds at most 1/2.
  *   base <  -2^29         every coordinate is < 0
  *   base >= 2^30 + 2^29   every coordinate is > 2^30, that is, beyond 1024 tool voxels
- *   otherwise             -2^30 < coordinate < 2^31, so the coordinate and every partial sum fit int32
+ *   otherwise             -2^30 < coordinate < 2^31, so the coordinate and every partial sum fit in int32
  */
 bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3])
 {

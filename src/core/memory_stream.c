@@ -5,8 +5,8 @@
 #include <string.h>
 
 /*
- * Appends bytes to the memory of a stream. Returns size, or 0 if memory is exhausted; the return value 0 sets the error
- * flag of the stream.
+ * Appends bytes to the memory of a stream. Returns `size`. If memory is exhausted, returns 0, and the C library then
+ * sets the error flag of the stream.
  */
 static ssize_t add_bytes(void *user, const char *bytes, size_t size)
 {

@@ -4,9 +4,9 @@
  *
  *   v = RHE((p - corner) * 2^f / s),   0 <= v <= dims * 2^f <= 2^20
  *
- * f is the maximum number of fraction bits, at most 10, with which the longest axis has at most
- * 2^20 lattice units: 10 up to 1024 voxels, 9 up to 2048, 8 up to 4096 (the limit of a tool).  The
- * centre of a voxel, (i + 1/2) 2^f, is therefore always a lattice point.
+ * Here p is a coordinate of a vertex, s is the voxel size, and f is the number of fraction bits: 10 if
+ * the longest axis has up to 1024 voxels, 9 up to 2048, and 8 up to 4096 (the limit of a tool).  As
+ * f > 0, the centre of a voxel, (i + 1/2) 2^f, is always a lattice point.
  *
  * Triangles whose snapped cross product is zero have no area and no effect; they
  * are dropped and counted.  The order of the other triangles does not change.  The

@@ -26,7 +26,7 @@ typedef struct spin {
     int64_t c, s;
 } spin;
 
-/* Returns C_k and S_k for the phase of a motor. phase < 2^36, so its product with 2^12 fits int64. */
+/* Returns C_k and S_k for the phase of a motor. phase < 2^36, so its product with 2^12 fits in int64. */
 static spin spin_of(const ost_motor *motor)
 {
     const int k = (int)(motor->phase * STEPS / OST_MOTOR_TURN);

@@ -42,8 +42,8 @@ static inline int ost_neon_any(uint8x16_t v)
 }
 
 /*
- * Returns byte indices for the instruction TBL. With these indices, TBL moves the 32-bit lanes selected by a 4-bit mask
- * to the front; the remaining lanes repeat lane 0.
+ * Returns byte indices for the instruction TBL. With these indices, TBL moves to the front those 32-bit lanes that a
+ * 4-bit mask selects; the remaining lanes of the result repeat lane 0.
  */
 static inline uint8x16_t ost_neon_together(unsigned mask)
 {

@@ -18,7 +18,7 @@ ost_pose ost_pose_identity(void)
 /*
  * Checks | |q| - 1 | <= 1e-3 with integers: 999^2 * 2^60 <= N * 10^6 <= 1001^2 * 2^60.
  * N is the sum of the squares of the Q30 components, at most 4 * 2^62, so the products
- * fit 128 bits.
+ * fit in 128 bits.
  */
 ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
 {
@@ -40,7 +40,7 @@ ost_status ost_pose_check(const ost_pose *pose, ost_error *err)
     return OST_OK;
 }
 
-/* Returns true if a component fits int32. Every component of a valid pose fits, because it is at most 1.001 * 2^30. */
+/* Returns true if a component fits in int32, as every component of a valid pose does: it is at most 1.001 * 2^30. */
 static bool component_fits(int64_t value)
 {
     return value >= INT32_MIN && value <= INT32_MAX;
