@@ -15,7 +15,7 @@ void ost_pose_to_doubles(const ost_pose *pose, double t_mm[3], double q[4])
     q[3] = (double)pose->qz / OST_Q30_ONE;
 }
 
-/* Divides by the largest component, which is computed first (Shepperd 1978). */
+/* Computes the largest component of q first, and divides by it to compute the others (Shepperd 1978). */
 void ost_quaternion_of_columns(const double c[3][3], double q[4])
 {
     const double trace = c[0][0] + c[1][1] + c[2][2];

@@ -59,7 +59,7 @@ static inline void ost_quaternion_matrix(const double q[4], double m[3][3])
     memcpy(m, r, sizeof r);
 }
 
-/* Computes the matrix of a pose's rotation from its exact value, as m[row][column]. */
+/* Computes the matrix of a pose from the exact rotation (core/rotation.h), as m[row][column]. */
 static inline void ost_pose_matrix(const ost_pose *pose, double m[3][3])
 {
     const ost_rotation exact = ost_rotation_of(pose);

@@ -5,9 +5,9 @@
  * so rotations by 90 degrees are exact: q = (c, 0, 0, c) gives N = 2c^2, and the entries of M are 0
  * and +-2c^2.
  *
- * Ranges: a component of a pose that was read is at most 1.001 * 2^30 + 1.
+ * Ranges: a component of a quaternion that was read is at most 1.001 * 2^30 + 1.
  * ost_rotation_fits checks a slightly weaker bound, 2^30 + 2^21.  Each product is then below
- * 2^60.01.  N and twice every sum of two products are below 2^62.01, so all of them fit int64.  The
+ * 2^60.01.  N and twice every sum of two products are below 2^62.01, so they fit in int64.  The
  * value of N is checked afterwards.
  */
 #ifndef OST_CORE_ROTATION_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The poses between two ticks (AR-SWEEP).  Their number n is chosen so that 1/n of the
- * displacement of each corner of the tool's box is at most half a bone voxel.
+ * The poses between two ticks (AR-SWEEP).  Let d be the greatest displacement of a corner of
+ * the tool's box.  The number n of poses is the least for which d / n is at most half a bone voxel.
  *
  *     a o- - -o- - -o- - -o b      n = 3: poses k = 1, 2, 3; a belongs to the previous event
  *
