@@ -7,7 +7,7 @@
  *   share.c     division of work among threads: thresholds and counters
  *   kernels.c   the inner loops, chosen once when the backend is opened
  *   tool.c      tools as bits, with the tables that removal uses
- *   import/     samples -> rect -> cubic -> chunks; grid.c: grids; a resampled grid has lists of indices
+ *   import/     samples -> rect -> cubic -> chunks; grid.c: grids
  *   bone/       chunks of bricks: upload and download of slices, leaves
  *   remove/     removal and collision; shape.c: a tool's distances and windows
  *   face_mesh.c visible faces of chunks as quads

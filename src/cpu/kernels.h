@@ -5,11 +5,12 @@
  * compares every variant with the scalar function. A kernel does not check its arguments: the
  * comment of its function type is a contract that the caller must fulfil.
  *
- * Unless a contract states otherwise: a kernel reads and writes only the
- * elements that its contract mentions; pointers have the alignment of their
- * elements; const arguments do not overlap the output; and on return the
- * processor's state is as after any C function, with the upper halves of
- * vector registers cleared.
+ * Unless a contract states otherwise:
+ *   - A kernel reads and writes only the elements that its contract mentions.
+ *   - Pointers have the alignment of their elements.
+ *   - Const arguments do not overlap the output.
+ *   - A kernel returns with the upper halves of vector registers cleared, and with the
+ *     processor in the state that the C calling convention requires.
  *
  *   ost_cpu_kernels_fill(k, isa):   scalar -> avx2 -> avx512 -> avx512vbmi
  *                                   scalar -> neon
@@ -50,7 +51,7 @@ typedef void ost_blend_rows_fn(const int16_t *a, const int16_t *b, const size_t 
  * Computes weighted sums of neighbours in a row:
  *   to[i] = from[at[i]] minus[2 i] + from[at[i] + 1] minus[2 i + 1] for 0 <= i < width (1 to 64).
  * `minus` contains pairs of negated weights; each pair sums to -2^15. The weights are negated, because the
- * range -2^15 to 0 fits 16 bits. The elements of `at` are >= 0 and ascending; neighbours may be equal. Every element
+ * range -2^15 to 0 fits in 16 bits. The elements of `at` are >= 0 and ascending; neighbours may be equal. Every element
  * of `from` with an index from at[0] to at[width - 1] + 1 may be read. Let n be width rounded up to a multiple of 16.
  * `at` and `to` have a capacity of n elements, and `minus` has a capacity of n pairs. The elements beyond width may be
  * read, and those of `to` may be overwritten.
@@ -61,7 +62,7 @@ typedef void ost_stretch_row_fn(const int16_t *from, const int32_t *at, const in
  * Computes weighted sums of `count` (1, 2 or 4) rows: for 0 <= i < width (1 to 64),
  * to[i] = RHE(sum of rows[r][i] weight[r] / 2^45), where the sum is over 0 <= r < count.
  * |rows[r][i]| <= 2^30.  All weights have the same sign and sum to 2^30 or -2^30.  The
- * results fit 16 bits.  rows[r] and `to` have a capacity of width rounded up to a
+ * results fit in 16 bits.  rows[r] and `to` have a capacity of width rounded up to a
  * multiple of 16.  The elements beyond width may be read, and those of `to` may be
  * overwritten.
  */
@@ -125,7 +126,7 @@ typedef void ost_blocks_fn(const ost_block_bases *bases, const ost_block_reach *
  * NULL, it has one word per part, and parts whose word is 0 are dropped. The cubes' numbers are distinct, and only the
  * words of their parts are read from `occupancy`. The lists `mixed` and `inside` must not overlap `cubes`. The count
  * of each list is increased by the number of appended parts. Each list has capacity for 8 parts per cube and
- * OST_CUBES_SLACK more elements, which may be overwritten. u + centre and u + first of every part fit int32. Up to
+ * OST_CUBES_SLACK more elements, which may be overwritten. u + centre and u + first of every part fit in int32. Up to
  * OST_CUBES_SLACK elements beyond cubes->count may be read. These elements may have any value: the indices computed
  * from them are clamped to the table. The values of cells are in [-64, 64].
  */
@@ -142,9 +143,9 @@ typedef void ost_match_tables_fn(ost_match *match);
  * Computes the hits of each brick: bit x + 4y + 16z of hits[i] is set if voxel (x, y, z) of brick i lies in a tool
  * voxel that is solid in match->shape. All space outside the tool's grid is empty. If match->windows or match->wide is
  * set, the `split` kernel must have used the cells of match->shape and found every brick mixed (remove.h, "Match").
- * u + offset of every voxel fits int32. The array `hits` has capacity for OST_CUBES_SLACK more elements than there are
- * bricks, and these elements may be overwritten. Up to OST_CUBES_SLACK elements beyond bricks->count may be read and
- * can have any value.
+ * u + offset of every voxel fits in int32. The array `hits` has capacity for OST_CUBES_SLACK more elements than there
+ * are bricks, and these elements may be overwritten. Up to OST_CUBES_SLACK elements beyond bricks->count may be read
+ * and can have any value.
  */
 typedef void ost_match_fn(const ost_match *match, const ost_cubes *bricks, uint64_t *hits);
 

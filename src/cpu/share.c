@@ -26,7 +26,7 @@ static const struct {
     [OST_PATH_SORT] = {"sort of triangles", 4096},            /* triangles per part */
     [OST_PATH_TILES] = {"voxelization", 1000000},         /* estimated nanoseconds */
     [OST_PATH_TOOL_DOWNLOAD] = {"download of a tool", 1 << 17},    /* voxels */
-    /* sum over all chunks of the event, in voxels */
+    /* in voxels, summed over all chunks of the event */
     [OST_PATH_REMOVAL] = {"removal and collision", 1 << 22},
     [OST_PATH_BLOCKS] = {"scatter in several blocks", (1 << 16) + 1},       /* samples per call */
     /* in bytes; larger grids are mapped, so that the system can use huge pages */
@@ -37,8 +37,8 @@ static const struct {
     /* in voxels; larger tools would not stay in the caches anyway */
     [OST_PATH_TOOL_STREAM] = {"tool written past the caches", 1 << 25},
     /*
-     * in bytes; if there are several tiles, the two planes of a tile are together smaller than this threshold, so that
-     * they fit into L2
+     * in bytes; if a grid has several tiles, the two planes of each tile together are smaller than this threshold and
+     * fit in the L2 cache
      */
     [OST_PATH_TILED] = {"voxelization in several tiles", (1 << 19) + 1},
 };

@@ -94,10 +94,10 @@ typedef struct ost_team {
     bool dealt;
     /* number of all items, and number of items per block */
     int64_t count, block;
-    /* the next block if `dealt` is false; with a random order, the number of blocks that members have begun */
+    /* with a random order, the number of blocks begun by members; otherwise, if `dealt` is false, the next block */
     _Atomic int64_t next;
     uint64_t order;       /* seed of the team's random order; 0 for the usual order */
-    /* with a random order, block (first + t * stride) mod (number of blocks) is processed in turn t */
+    /* with a random order, turn t is for the block (first + t * stride) mod (number of blocks) */
     int64_t first, stride;
     int members;          /* number of threads that OpenMP provided; valid after the parallel region */
 } ost_team;

@@ -15,8 +15,8 @@ static size_t rows_of(ost_dims dims)
 }
 
 /*
- * Allocates the bits of one class without clearing them, because every word is written later. Each page is then first
- * written by a thread that computes words of this page. Requests huge pages for large tools.
+ * Allocates the bits of one class without clearing them, because every word is written later. A page is
+ * then first written by a thread that computes words of this page. Requests huge pages for large tools.
  */
 static uint64_t *new_bits(ost_dims dims)
 {

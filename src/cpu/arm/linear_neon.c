@@ -2,7 +2,7 @@
 /*
  * Linear interpolation for NEON. Each step interpolates eight voxels between two slices, or computes four sums. The
  * ranges are the same as in x86/linear_avx512.c: the sums of the `blend` kernel are at most 2^30, those of the `weigh`
- * kernel are at most 2^60, and a quotient fits 16 bits.
+ * kernel are at most 2^60, and a quotient fits in 16 bits.
  */
 #include "core/conditions.h"
 #include "core/neon.h"
@@ -32,7 +32,7 @@ static inline void blend(const int16_t *a, const int16_t *b, int16_t lower, int1
 void ost_blend_rows_neon(const int16_t *a, const int16_t *b, const size_t *row, int count, int width, int weight,
                          int16_t *to)
 {
-    /* both weights are in 1..2^15 - 1, so they fit int16 */
+    /* both weights are in 1..2^15 - 1, so they fit in int16 */
     const int16_t lower = (int16_t)(OST_WEIGHT_ONE - weight), upper = (int16_t)weight;
     if (width < LANES) {
         ost_blend_rows_scalar(a, b, row, count, width, weight, to);

@@ -40,7 +40,7 @@ static inline void pack(int32_t *to, int32x4_t v, uint8x16_t moves)
 void ost_split_neon(const ost_split *split, const ost_cells *cells, const ost_cubes *cubes, const uint64_t *occupancy,
                     ost_cubes *mixed, ost_numbers *inside)
 {
-    /* Cell values are within +-64, so the limit of 127, the maximum of int8, changes no result. */
+    /* No value of a cell exceeds 64 in magnitude, so limiting split->least to 127 changes no result. */
     const int least = split->least < 127 ? split->least : 127;
     const int8x8_t high = vdup_n_s8((int8_t)least), low = vdup_n_s8((int8_t)-least);
     const int8_t *const table = cells->value;
@@ -118,7 +118,8 @@ static inline void place_four(const ost_match *match, const ost_cubes *bricks, s
         const int32x4_t u = vaddq_s32(vld1q_s32(bricks->u[a] + from), vdupq_n_s32(match->lowest[a]));
         window[a] = windows_of(vaddq_s32(vshrq_n_s32(u, OST_MAP_FRACTION), margin), w->step);
         const int32x4_t begin = vshlq_n_s32(vsubq_s32(vmulq_n_s32(window[a], w->step), margin), OST_MAP_FRACTION);
-        const uint32x4_t c = vreinterpretq_u32_s32(vsubq_s32(u, begin)); /* c is below 2^23, so c >> 7 fits 16 bits */
+        /* c is below 2^23, so c >> 7 fits in 16 bits */
+        const uint32x4_t c = vreinterpretq_u32_s32(vsubq_s32(u, begin));
         vst1_u16(out->high[a] + to, vshrn_n_u32(c, LOW));
         vst1_u16(out->low[a] + to, vmovn_u32(vandq_u32(c, vdupq_n_u32((1 << LOW) - 1))));
     }

@@ -344,7 +344,7 @@ static bool read_leaf(const cpu_bone *bone, ost_dims leaf, int16_t *voxels)
 /*
  * Converts the occupancy words of eight adjacent bricks to sixteen rows of 32 voxels. In the word of brick b, the bits
  * 4 (y + 4 z) to 4 (y + 4 z) + 3 are row (y, z). These four bits become the bits 4b to 4b + 3 of row (y, z).
- * Neighbouring nibbles are merged to bytes, bytes to 16-bit halves, and halves to words of 32 bits:
+ * Neighbouring nibbles are merged into bytes, bytes into 16-bit halves, and halves into words of 32 bits:
  *
  *   byte k of pair[p][odd]       row 2k + odd of the bricks 2p and 2p + 1
  *   half k of four[p][odd][l]    row 4k + 2l + odd of the bricks 4p to 4p + 3

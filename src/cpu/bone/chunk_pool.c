@@ -2,8 +2,8 @@
 /*
  * A pool of memory blocks (chunk_pool.h). The stack contains the blocks that are not in use, and their number is an
  * atomic variable. ost_chunk_pool_take decrements this number, and ost_chunk_pool_give increments it. Each call thus
- * gets the index of a stack element that no other thread accesses. Because calls of ost_chunk_pool_take and
- * ost_chunk_pool_give do not overlap, threads need no other synchronisation.
+ * gets the index of a stack element that no other thread accesses. Because no call of ost_chunk_pool_take overlaps a
+ * call of ost_chunk_pool_give, threads need no other synchronisation.
  */
 #include "cpu/bone/chunk_pool.h"
 
@@ -154,7 +154,7 @@ void ost_chunk_pool_trim(ost_chunk_pool *pool)
         return;
     /*
      * The last used block ends where the block stack[fresh - 1] begins. The system may have allocated a huge page that
-     * contains this position. The memory of this huge page after the last used block is released.
+     * contains this position. The part of this huge page after the position is released.
      */
     size_t page = (size_t)sysconf(_SC_PAGESIZE);
     uintptr_t begin = ((uintptr_t)pool->stack[fresh - 1] + page - 1) / page * page;

@@ -61,7 +61,7 @@ typedef struct task {
     cpu_tap y[N_MAX], z[4];
     int slices; /* number of the layer's slices that lie in the grid */
     size_t row[2 * N_MAX]; /* the source rows of the task's rows, in ascending order, without duplicates */
-    /* `rows` is the number of elements of row[]. first[g] is the number of those that y[0] to y[4 g - 1] use. */
+    /* `rows` is the number of elements of row[]. y[0] to y[4 g - 1] use the first first[g] elements. */
     int rows, first[N_MAX / 4];
     size_t source[SLICES]; /* the source slices of the current layer, in ascending order, without duplicates */
     int sources;
@@ -129,7 +129,7 @@ static void enter_layer(const filling *f, task *t, int32_t z)
     if (t->sources > 0)
         t->next_source = next_source(f, t, z);
     for (int32_t y = 0; y < t->height && f->linear; y += 4) {
-        /* The four rows from y on share at most two source rows with the rows before them, because the taps ascend. */
+        /* Because the taps ascend, the rows y to y + 3 share at most two source rows with earlier rows. */
         const int begin = t->first[y / 4] > 2 ? t->first[y / 4] - 2 : 0;
         const int end = y + 4 < t->height ? t->first[y / 4 + 1] : t->rows;
         int count = 0;
@@ -199,14 +199,14 @@ static bool greatest_is_active(const filling *f, const task *t, bool run, int32_
     int16_t gathered[N_MAX];
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    /* A view without x indices has adjacent source voxels even if `run` is false because the chunk is clipped. */
+    /* Without x indices, source voxels are always adjacent along x, but `run` is false if the chunk is clipped. */
     if (f->linear || run || !f->view.map[0])
         return any_in_box(f, t->greatest, one_row, 1, first, span);
     f->kernels->gather_row(t->greatest, f->view.map[0] + x0, width, gathered);
     return any_in_box(f, gathered, one_row, 1, 0, width);
 }
 
-/* Searches the source slices of the current layer that have not been searched yet for active voxels. */
+/* Searches for active voxels in the source slices of the current layer that have not been searched yet. */
 static void search_slices(const filling *f, task *t)
 {
     const int32_t n = f->bone->base.chunk_size, columns = f->bone->chunk_dims.x;

@@ -150,8 +150,8 @@ static void put(cpu_grid *grid, int64_t v, const ost_sample *sample, int64_t lin
 }
 
 /*
- * The report of one thread. `conflict` is the index in the batch of the conflicting sample in line sums.conflict_line;
- * if there are several, it is the lowest of their indices.
+ * The report of one thread. `conflict` is the index, within the batch, of the conflicting sample in line
+ * sums.conflict_line. If this line has several conflicting samples, `conflict` is the lowest of their indices.
  */
 typedef struct part_report {
     ost_scatter_report sums;

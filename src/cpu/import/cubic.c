@@ -141,7 +141,7 @@ ost_status ost_cpu_rect_to_cubic(const ost_grid *base, const ost_geometry *geome
             return status;
         }
     }
-    if (rect->map[0]) /* replaces indices of rect voxels by indices of the rect grid's store */
+    if (rect->map[0]) /* replaces indices of rect voxels with indices of the rect grid's store */
         for (int a = 0; a < 3; a++)
             for (int32_t i = 0; i < to[a]; i++)
                 l.map[a][i] = rect->map[a][l.map[a][i]];

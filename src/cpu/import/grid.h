@@ -42,8 +42,8 @@ typedef struct cpu_grid {
  *   axis with weights      voxel i is the mean of the store's voxels map[i] and map[i] + 1 with the weights
  *                          -minus[2i] / 2^15 and -minus[2i + 1] / 2^15
  *
- * Along x, both of these voxels lie in the store if it has two or more voxels along x. In all other cases, a voxel with
- * weight 0 may lie outside the store. The capacity of lists along x is a multiple of 16.
+ * A voxel with weight 0 may lie outside the store, with one exception: along x, both voxels lie in the store if the
+ * store has two or more voxels along x. The capacity of lists along x is a multiple of 16.
  *
  * There are three kinds of view. In the first, no axis has weights, and all elements of minus[] are NULL. In the
  * second, only z has weights, and the x and y coordinates are those of the store. In the third, x and possibly other
@@ -51,7 +51,7 @@ typedef struct cpu_grid {
  */
 typedef struct cpu_view {
     const int16_t *voxels;
-    size_t row, slice;     /* distance, in elements, between adjacent rows and between adjacent slices */
+    size_t row, slice;     /* distances in elements: between adjacent rows, and between adjacent slices */
     /* index lists of the axes; if all are NULL, the view has the voxels of the store in the same order */
     const int32_t *map[3];
     const int16_t *minus[3];

@@ -23,7 +23,7 @@ enum { SIDE = OST_FACE_CHUNK, PADDED = OST_FACE_PADDED, VOXELS = OST_FACE_VOXELS
 typedef struct scratch {
     int16_t padded[PADDED][PADDED][PADDED]; /* [z][y][x]; ACTIVE or 0 */
     uint8_t visible[VOXELS];     /* visible faces of each voxel; bit f is set if face f is visible */
-    uint32_t before[VOXELS];     /* number of active voxels with a lower number than this voxel */
+    uint32_t before[VOXELS];     /* number of active voxels before this voxel */
     uint32_t faces_before[VOXELS];
     uint32_t voxel[VOXELS];      /* numbers of the active voxels, in ascending order */
     uint32_t first[VOXELS];      /* index of the first quad of each active voxel */

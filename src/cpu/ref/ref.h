@@ -9,7 +9,7 @@
  *   tool.c      tool grids
  *   voxelize.c  snapped mesh -> tool grid               AR-VOX
  *   remove.c    removal and collision                   AR-MAP, AR-REM
- *   face_mesh.c visible faces as quads, which determine no voxel
+ *   face_mesh.c visible faces as quads; no voxel depends on them
  *   ref.c       the table
  */
 #ifndef OST_CPU_REF_H

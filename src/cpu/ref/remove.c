@@ -54,7 +54,7 @@ static int32_t max32(int32_t a, int32_t b)
 /*
  * Returns true if all corners of a block lie on the same side of the tool's grid on one axis. All voxels of the block
  * then lie on that side, because their tool coordinate u is a linear function of the voxel's indices. The least and the
- * greatest u of a block occur at corners of the block, so they fit int32 (AR-MAP-5).
+ * greatest u of a block occur at corners of the block, so they fit in int32 (AR-MAP-5).
  */
 static bool block_misses(const ost_dims dims, const int32_t base[3], const int32_t step[3][3])
 {
@@ -98,7 +98,7 @@ static ost_voxel_box clipped(const ost_voxel_box *box, ost_dims dims)
 
 /*
  * Marks the voxels of one block that the tool covers at one pose. `first` is the block's first voxel. All
- * sums fit int32 (AR-MAP-5).
+ * sums fit in int32 (AR-MAP-5).
  */
 static void mark_pose(const ost_chunk_grid *grid, const ost_chunk *chunk, const int32_t first[3], const ref_tool *tool,
                       const ost_map *map, const ost_voxel_box *all, block_marks *marks)

@@ -24,12 +24,12 @@
  * Therefore a line through a shared edge or vertex is owned once, however many triangles share it,
  * and a closed mesh never leaks.
  *
- * Ranges.  L = 2^20; every coordinate is in [0, L], so differences d <= L.
+ * Ranges.  L = 2^20; every coordinate is in [0, L], so no difference exceeds L in magnitude.
  *   E    two products of differences: |E| <= 2 L^2 = 2^41
- *   n    a component of the cross product is twice the area of a triangle
- *        within a square of side L: |n| <= L^2 = 2^40, and nx >= 1 here
- *   K    = nx ax - ny (Y - ay) - nz (Z - az): |K| <= 3 L^3 < 2^62, and every
- *        partial sum as well.  K / nx is the crossing's x, in [0, dims.x 2^f].
+ *   n    the cross product of two edges; a component is twice the area of a
+ *        triangle within a square of side L: |n| <= L^2 = 2^40, and nx >= 1 here
+ *   K    = nx ax - ny (Y - ay) - nz (Z - az); K and every partial sum are at
+ *        most 3 L^3 < 2^62 in magnitude.  K / nx is the crossing's x, in [0, dims.x 2^f].
  *   nx 2^f <= 2^50, and K - nx 2^(f-1) >= -2^49.
  * So int64 suffices throughout.  A winding number is at most 2^26.
  */

@@ -11,8 +11,8 @@
 /*
  * Returns 2^16 (q + r / divisor) for 0 <= r < divisor, rounded down with an error below 2. With s, d and I as in
  * core/divider.h, r >> s has at most 62 bits, d has 62 bits (divisor > 2^59 * 10^6 > 2^78) and I = floor(2^124 / (d +
- * 1)) < 2^63.  (r >> s) I <= (r / 2^s) * 2^124 * 2^s / divisor, so the result is never too large; each rounding loses
- * less than 2^-60 of the product, and the last one less than 1.
+ * 1)) < 2^63.  (r >> s) I <= (r / 2^s) * 2^124 * 2^s / divisor, so the result is never too large. The last rounding
+ * loses less than 1, and each of the roundings of r, d and I loses less than 2^-44.
  */
 static int64_t scaled(const ost_divider *by, int64_t q, ost_i128 r)
 {
@@ -82,10 +82,11 @@ void ost_block_bases_make(ost_block_bases *bases, const ost_map *map, const int3
 /*
  * Returns the range of bases at which a block can have a voxel in the tool's grid.
  *
- * A voxel of a block has u = base + sum of d step, 0 <= d <= 15, so on each axis base - below <= u <= base + above. If
- * this range does not overlap [0, dims 2^20), no voxel of the block is inside the tool's grid. below + above is at most
- * 15 times a sum of three |step|, and therefore less than 2^29 (AR-MAP-5), so `from` and from + width fit int32, like
- * the coordinates u of remove.h.
+ * A voxel of a block has u = base + i step[0] + j step[1] + k step[2] with 0 <= i, j, k <= 15. On each axis, let
+ * `below` be the sum of 15 |step| over the negative steps, and `above` the sum over the positive ones. Then
+ * base - below <= u <= base + above. If this range does not overlap [0, dims 2^20), no voxel of the block is inside the
+ * tool's grid. below + above is 15 times a sum of three |step|, and therefore less than 2^29 (AR-MAP-5), so `from` and
+ * from + width fit in int32.
  */
 ost_block_reach ost_block_reach_of(const int32_t step[3][3], const int32_t dims[3])
 {

@@ -47,7 +47,7 @@ void ost_split_make(const int32_t step[3][3], int32_t edge, const ost_cells *cel
 {
     const int32_t half = edge / 2;
     for (int a = 0; a < 3; a++) {
-        /* |sum of the steps| < 2^25 and half - 1 < 8, so the product fits int32. The shift rounds down. */
+        /* |sum of the steps| < 2^25 and half - 1 < 8, so the product fits in int32. The shift rounds down. */
         const int32_t centre = ((half - 1) * (step[0][a] + step[1][a] + step[2][a])) >> 1;
         for (int part = 0; part < 8; part++) {
             out->first[a][part] = half * ((part & 1 ? step[0][a] : 0) + (part & 2 ? step[1][a] : 0) +
@@ -69,7 +69,7 @@ static int32_t magnitude(int32_t x)
 }
 
 /* Returns true if the tool has windows of this edge and the steps satisfy the conditions of "Match" in remove.h. If the
-   tool has the windows, the steps of every ost_map satisfy the conditions, but other steps may violate them. */
+   tool has such windows, the steps of a map (ost_map) always satisfy the conditions; other steps may not. */
 static bool windows_hold(const int32_t step[3][3], const ost_windows *windows, int32_t edge)
 {
     const int64_t radius_twice = (edge == 8 ? INT64_C(72) : INT64_C(150)) * (1 << OST_MAP_FRACTION) / 10;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Removal and collision (AR-REM), with the same results as the reference. Cubes are classified
- * by distances to the tool's surface before single voxels are tested (remove.h).
+ * Removal and collision (AR-REM). The results are the same as those of the reference. Cubes are
+ * classified by distances to the tool's surface before single voxels are tested (remove.h).
  *
  *   for each pose
  *     for each chunk with memory in its box          divided among threads

@@ -41,8 +41,8 @@
  * (offset >> 7) is (c + offset) >> 7 or one less, because the low seven bits may carry; the voxel is
  * wrong only if the carry passes through 13 set bits. A value of (c >> 7) mod 2^13 is a tie if its sum with some offset
  * has 13 set fraction bits; `tie` marks the ties. A brick whose c is a tie on an axis is tied (2.3 % of all bricks) and
- * is matched with the carries. `near_tie` has one bit for eight values, so that its bits fit registers. If the bits for
- * a brick's values are clear (five bricks of six), the brick is not tied.
+ * is matched with the carries. `near_tie` has one bit for eight values, so that its bits fit in registers. If the bits
+ * for a brick's values are clear (five bricks of six), the brick is not tied.
  *
  * Carries.  The kernel for AVX-512 VBMI adds complete voxels and fractions separately. Voxel v of a brick has the
  * voxel coordinate floor(c) + floor(offset[v]) + carry in its window. The threshold of v is 1 minus the fraction of
@@ -133,7 +133,7 @@ typedef struct ost_match {
 typedef struct ost_take {
     int borders;        /* number of borders between density classes, 0..OST_CLASS_MAX - 1 */
     int16_t border[OST_CLASS_MAX]; /* ascending */
-    int32_t highest;    /* upper bound of all densities in the chunk, 1..32767 */
+    int32_t highest;    /* upper bound on all densities in the chunk, 1..32767 */
     /* true to remove the voxels that are hit, that is, to set them to 0; false to count them only */
     bool apply;
 } ost_take;

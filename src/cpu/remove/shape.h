@@ -3,8 +3,8 @@
  * The shape of a tool consists of tables that removal uses. They describe the voxels of one class of the tool,
  * which this file calls solid. The tables are derived once from the tool's voxels, for a range of bone voxel sizes.
  *
- *   cells     a lower bound of the distance to the solid's surface;
- *             classifies cubes of bone voxels as inside, outside or mixed
+ *   cells     lower bounds on the distance to the solid's surface,
+ *             which classify cubes of bone voxels as inside, outside or mixed
  *   windows   8^3 tool voxels as 64 bytes; adjacent windows overlap, so that each mixed brick lies in one;
  *             a window classifies the 64 voxels of a mixed brick by one look-up each
  *

@@ -287,7 +287,7 @@ void ost_embree_mark(const ost_embree *e, ost_embree_scratch *scratch, ost_vox_t
 {
     scratch->tile = tile;
     scratch->mark = mark;
-    /* The number cannot overflow, because a grid has at most 2^24 rows and therefore at most 2^24 tiles. */
+    /* `tiles` cannot overflow, because a grid has at most 2^24 rows and therefore at most 2^24 tiles. */
     scratch->tiles++;
     for (int32_t k = tile->k0; k < tile->k1; k += SIDE)
         for (int32_t j = tile->j0; j < tile->j1; j += SIDE)

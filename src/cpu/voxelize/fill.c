@@ -37,7 +37,7 @@
 
 static int count_bits(uint64_t v)
 {
-    /* The test of v saves most calls: most words are 0, and without POPCNT the builtin is a loop. */
+    /* Most words are 0. For these, the test of v avoids the builtin, which is a loop without POPCNT. */
     return v ? __builtin_popcountll(v) : 0;
 }
 

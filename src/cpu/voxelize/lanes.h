@@ -23,12 +23,14 @@
  *
  *   V = (ex + w) ey ez <= 2^49 = OST_VOX_SMALL
  *
- * (this is true in doubles as well: the product is exact up to 2^53, and rounding
- * preserves order). For a small triangle, with the symbols of mark.c and with Y, Z in the triangle's bounds,
+ * The comparison is correct in doubles too, because the product is exact up to 2^53
+ * and rounding preserves order. For a small triangle, with the symbols of mark.c and
+ * with Y, Z in the triangle's bounds,
  *
  *   normal    |nx| <= ey ez, |ny| <= ex ez, |nz| <= ex ey: twice the area of a
  *             triangle in a rectangle; at most 2^40
- *   rows      dz w dj <= C, dj counted from the first row j' of the bounds in the tile,
+ *   rows      dz w dj <= C; dj counts the rows from j', the first row of the bounds in
+ *             the tile, and Y' is the y of the centres of row j';
  *             C = dy (Z - az) - dz (Y' - ay) - t: |C| <= 2 ey ez + 1 <= 2^41 + 1
  *   crossing  M = nx (ax - A w - h) - ny (Y - ay) - nz (Z - az), |ax - A w - h| <= h:
  *             |M| <= ey ez h + 2 ex ey ez <= 2 V <= 2^50; in an owned row, which
@@ -143,7 +145,7 @@ static inline void mark_lanes(ost_vox_tile *tile, const uint32_t *t, int lanes, 
     const vd z_min = vd_least(az, bz, cz), z_max = vd_greatest(az, bz, cz);
     const vd j0 = vd_max(vd_ceil(vd_mul(vd_sub(y_min, h), per_w)), vd_set(tile->j0));
     const vd k0 = vd_max(vd_ceil(vd_mul(vd_sub(z_min, h), per_w)), vd_set(tile->k0));
-    /* number of rows in the bounds minus 1, and number of slices in the bounds minus 1 */
+    /* j_count + 1 is the number of rows in the bounds, and k_count + 1 is the number of slices */
     const vd j_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(y_max, h), per_w)), vd_set(tile->j1 - 1)), j0);
     const vd k_count = vd_sub(vd_min(vd_floor(vd_mul(vd_sub(z_max, h), per_w)), vd_set(tile->k1 - 1)), k0);
     valid = vm_and(valid, vm_and(vd_le(zero, j_count), vd_le(zero, k_count)));

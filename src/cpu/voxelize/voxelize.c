@@ -6,7 +6,7 @@
  * Triangles set bits of a tile's two planes at random positions.  Tiles are small
  * enough that the planes and the result bits of a tile stay in a core's L2 cache.  Tiles are as
  * square as possible, so that few triangles cross their borders.  With one thread, a
- * grid that fits the L2 cache is one tile, and its triangles are not sorted.
+ * grid that fits in the L2 cache is one tile, and its triangles are not sorted.
  */
 #include <assert.h>
 #include <stdlib.h>

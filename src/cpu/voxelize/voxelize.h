@@ -3,7 +3,7 @@
  * The voxelizer of the CPU backend, which implements AR-VOX by tiles of rows.
  *
  * A row is a line of voxels along x.  The grid is divided along y and z into tiles of rows.  A tile
- * fits a core's cache, and a thread processes complete tiles.
+ * fits in a core's cache, and a thread processes complete tiles.
  *
  *        z  +-----+-----+       a tile has two planes with one bit per voxel;
  *           |     |  T  |       rows are ordered by (k, j):
@@ -122,7 +122,7 @@ struct ost_vox_plan {
 
 /* For each tile, lists the triangles that can cross rows of the tile. */
 typedef struct ost_vox_bins {
-    size_t *start;   /* tiles + 1 indices, which bound the tiles' ranges in `list`; NULL if there is only one tile */
+    size_t *start;   /* tiles + 1 indices of elements of `list`; NULL if there is only one tile */
     uint32_t *list;  /* numbers of triangles; those of tile t are list[start[t]] to list[start[t + 1] - 1] */
     uint32_t *large; /* numbers of the triangles that overlap many tiles; each tile processes all of them */
     size_t large_count;

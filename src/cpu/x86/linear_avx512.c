@@ -3,7 +3,7 @@
  * Linear interpolation for AVX-512. Either 32 voxels between two slices or 16 sums are
  * computed at a time.
  *
- *   blend     interleaves a and b to pairs; one multiplication of 16-bit pairs
+ *   blend     interleaves a and b into pairs; one multiplication of 16-bit pairs
  *             (vpmaddwd) by the pair of weights computes a (2^15 - w) + b w
  *   stretch   permutes the window that contains 16 pairs from[at], from[at + 1],
  *             then performs the same multiplication
@@ -12,7 +12,7 @@
  * Ranges.  blend: weights are 1 to 2^15 - 1, sums at most 2^30.  stretch:
  * weights are -2^15 to 0, a pair sums to -2^15, sums are at most 2^30.  weigh:
  * sums are at most 2^60, and adding half of 2^45 does not overflow.  A quotient
- * fits 16 bits, so bits 45 to 60 of a sum contain all of it.
+ * fits in 16 bits, so bits 45 to 60 of a sum contain all of it.
  */
 #include "core/conditions.h"
 #include "cpu/kernels.h"

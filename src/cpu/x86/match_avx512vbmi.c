@@ -83,7 +83,7 @@ static __m512i whole_offsets(const ost_match *match, int a)
 /* Computes the tables for windows of 8^3 voxels, whose bytes have the numbers 8 y + z. */
 static void make_rows(__m512i x, __m512i y, __m512i z, ost_carries *out)
 {
-    /* 8 y fits a byte, and no bit moves to the next byte, because y < 8. */
+    /* 8 y fits in a byte, and no bit moves to the next byte, because y < 8. */
     const __m512i row = _mm512_add_epi8(_mm512_slli_epi16(y, 3), z);
     for (int k = 0; k < 9; k++)
         _mm512_storeu_si512(out->row[k], _mm512_add_epi8(row, _mm512_set1_epi8((char)(8 * (k % 3) + k / 3))));
@@ -100,7 +100,7 @@ void ost_match_carries_avx512vbmi(ost_match *match)
     const __m512i x = whole_offsets(match, 0), y = whole_offsets(match, 1), z = whole_offsets(match, 2);
     if (match->windows)
         make_rows(x, y, z, out);
-    else { /* 16 y fits a byte, because y is below 16 */
+    else { /* 16 y fits in a byte, because y is below 16 */
         _mm512_storeu_si512(out->wide[0], _mm512_add_epi8(_mm512_slli_epi16(y, 4), z));
         _mm512_storeu_si512(out->wide[1], x);
     }
@@ -136,7 +136,7 @@ static inline __m512i step_if_reached(__m512i rank, __m512i fraction, __m512i th
     return _mm512_mask_add_epi32(rank, _mm512_cmpge_epu32_mask(fraction, threshold), rank, _mm512_set1_epi32(step));
 }
 
-/* Returns the rank of each lane's fraction: the number of thresholds that it reaches. */
+/* Returns the rank of each lane's fraction: the number of thresholds that the fraction reaches. */
 static inline __m512i ranks_of(const rank_tables *t, __m512i fraction)
 {
     __m512i group = step_if_reached(_mm512_setzero_si512(), fraction, t->middle, 8);
@@ -240,7 +240,7 @@ static inline uint64_t look_up_wide(const ost_carries *c, const wide_tables *t, 
     return _cvtmask64_u64(_mm512_test_epi8_mask(byte, _mm512_shuffle_epi8(t->bits, x)));
 }
 
-/* Replaces window numbers by the numbers of the windows' lines, and prefetches these lines. */
+/* Replaces window numbers with the numbers of the windows' lines, and prefetches these lines. */
 static inline void find_wide_lines(const ost_windows *windows, size_t count, uint32_t *number)
 {
     for (size_t i = 0; i < count; i++) {

@@ -83,7 +83,7 @@ void ost_blocks_avx512(const ost_block_bases *bases, const ost_block_reach *reac
 /*
  * Computes for each lane the number of the cell that contains the point (x, y, z), or of
  * the nearest cell if the point is outside the table.  An axis has at most 2^15 cells,
- * so that y and dims[0] fit 16 bits and their product fits 32 bits.
+ * so that y and dims[0] fit in 16 bits and their product fits in 32 bits.
  */
 static inline __m512i cells_of(const ost_cells *cells, __m512i x, __m512i y, __m512i z)
 {
@@ -441,7 +441,7 @@ static void match_windows(const ost_match *match, const ost_cubes *bricks, uint6
 static void match_voxels(const ost_match *match, const ost_cubes *bricks, uint64_t *hits)
 {
     const ost_shape *s = match->shape;
-    /* A row has `halves` words of 32 bits. A tool has at most 2^20 rows of 32 such words, so an index fits int32. */
+    /* A row has `halves` words of 32 bits. A tool has at most 2^20 rows of 32 such words, so an index fits in int32. */
     const __m512i halves = _mm512_set1_epi32(2 * (int32_t)s->words);
     const __m512i dx = _mm512_set1_epi32(s->dims[0]), dy = _mm512_set1_epi32(s->dims[1]),
                   dz = _mm512_set1_epi32(s->dims[2]);

@@ -22,7 +22,7 @@ static inline __m512i ost_window_voxel(__m512i u, int32_t margin)
 /*
  * Returns floor(voxel / step) for 0 <= voxel < 2^15 and a step of 1, 2, 3 or 6. For a step of at most 3, this is equal
  * to (voxel * ceil(2^16 / step)) >> 16. The factors of the multiplication are 2 * voxel and ceil(2^16 / step) / 2,
- * because both fit 16 bits. For a step of 6, floor(voxel / 2) is divided by 3.
+ * because both fit in 16 bits. For a step of 6, floor(voxel / 2) is divided by 3.
  */
 static inline __m512i ost_window_of(__m512i voxel, int32_t step)
 {
@@ -38,7 +38,7 @@ static inline __m512i ost_window_number(const ost_windows *w, const __m512i wind
     return _mm512_add_epi32(window[0], _mm512_mullo_epi32(row, _mm512_set1_epi32(w->dims[0])));
 }
 
-/* Replaces window numbers by the numbers of the windows' lines, and prefetches these lines. */
+/* Replaces window numbers with the numbers of the windows' lines, and prefetches these lines. */
 static inline void ost_find_lines(const ost_windows *windows, size_t count, uint32_t *number)
 {
     const uint8_t(*const line)[64] = windows->line;
