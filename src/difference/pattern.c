@@ -66,10 +66,9 @@ static bool offset(const pattern_scan *s, char *text)
 }
 
 /*
- * Checks the rule `threshold` if `in` is the grid before densities below the threshold were set to 0. The rule holds in
- * two cases. In the first case, B still has the densities of D, all of which are below the threshold. In the second
- * case, B seems to have been made with a higher threshold: in every chunk that differs, B lacks exactly the densities
- * up to a certain value.
+ * Checks the rule `threshold` if `in` is the grid before densities below the threshold were set to 0. The rule holds if
+ * B has kept a density below the threshold in every voxel of D. The rule also holds if B seems to have been made with a
+ * higher threshold: in every chunk that differs, B lacks exactly the densities up to a certain value.
  */
 static bool threshold_of_chunks(const pattern_scan *s, char *text)
 {

@@ -83,8 +83,8 @@ typedef struct pattern_view {
     /* for each axis, the weight of the voxel that follows the source voxel, in units of 1 / PATTERN_WEIGHT_ONE; if the
        weight is 0, that voxel is not read */
     const int32_t *weight[3];
-    /* for each voxel, the number of samples that follow the voxel's last sample in the same batch; -1 for a voxel
-       without samples; the pointer is NULL if these numbers are unknown */
+    /* for each voxel, the number of samples after the voxel's last sample in the same batch, or -1 if the voxel has no
+       sample; NULL if these numbers are unknown */
     const int32_t *behind;
     bool reported_too;        /* true if the report also differs */
 } pattern_view;

@@ -60,9 +60,10 @@ static chunk_counts count_chunk(const pattern_view *v, int32_t x, int32_t y, int
 }
 
 typedef struct chunk_sums {
-    /* numbers of chunks that differ: all, those in which B equals `in`, and those that are solid in only one grid */
+    /* `differ` counts all chunks that differ, `undone` those in which B equals `in`, and `one_sided` those that are
+       solid in only one grid */
     int64_t differ, undone, one_sided;
-    /* number of chunks with a hit, and number of those that follow the first differing chunk and do not differ */
+    /* `hit` counts the chunks with a hit, and `hit_after` those of them that do not differ but follow one that does */
     int64_t hit, hit_after;
 } chunk_sums;
 

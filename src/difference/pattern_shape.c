@@ -20,7 +20,8 @@ static int32_t run_from(const int16_t *g, int32_t n, int32_t x, int32_t end)
    no runs cover them exactly. */
 static int32_t runs_between(const int16_t *a, const int16_t *b, int32_t n, int32_t from, int32_t end)
 {
-    int32_t least[OST_TOOL_DIM_MAX + 1] = {0}; /* 1 + minimum number of runs that cover [from, x); 0 if no runs do */
+    /* least[x] is 1 + the minimum number of runs that exactly cover [from, x), or 0 if no runs cover it */
+    int32_t least[OST_TOOL_DIM_MAX + 1] = {0};
     least[from] = 1;
     for (int32_t x = from; x < end; x++) {
         if (!least[x])
