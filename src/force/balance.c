@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { SETS = 8 }; /* maximum number of iterations; if the set still changes then, the last solution is used */
+/* maximum number of iterations; the last solution is used even if the set of pressing points has changed again */
+enum { SETS = 8 };
 
 /*
  * Solves m * u = b with a Cholesky decomposition in place. m must be symmetric and positive definite; only its upper

@@ -6,7 +6,7 @@
  *
  *   spring u  +  sum over pressing points of  b (given + j . u) j  =  pull
  *
- * For each point, b is the resistance, and given + j . u is the speed of advance. With
+ * For each point, b is the resistance, and `given` + j . u is the speed of advance. With
  * the point's position r and outward normal n, u and j are:
  *
  *   3 components   u = velocity of the tool                         j = n

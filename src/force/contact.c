@@ -22,7 +22,7 @@
 
 #include "core/backend.h"
 
-/* minimum distance from the axis, in m; the cutting speed of a nearer point is computed at this distance */
+/* distance from the axis, in m; a point nearer to the axis gets the cutting speed at this distance */
 #define NEAR_AXIS 1e-3
 
 /* Vectors of four elements; the compiler chooses the registers. */
@@ -248,8 +248,8 @@ ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, c
                 plane += (c->voxel[a][k] - map.origin[a] + 0.5 - c->position[a][i]) * along[a] * s * s;
             if (c->found[k] == 0) {
                 /*
-                 * The point has left the bone. A point that is outside the bone at the first step counts as not
-                 * touching.
+                 * The point has left the bone. A point that is outside the bone at the first step does not touch
+                 * bone.
                  */
                 if (!first)
                     c->depth[slot[k]] = (c->depth[slot[k]] + plane) / 2 + layer;

@@ -23,12 +23,12 @@
 typedef struct contact_shell {
     size_t count;
     float at[3][OST_SHELL_MAX], inward[3][OST_SHELL_MAX];
-    float outside[3][OST_SHELL_MAX]; /* position one voxel outward of each point, at which bone is looked up */
+    float outside[3][OST_SHELL_MAX]; /* position one voxel outward from each point; bone is looked up there */
     /* x and y components of the unit vector opposite to the velocity that the tool's rotation gives to the point */
     float against[2][OST_SHELL_MAX];
     float spin[OST_SHELL_MAX];       /* speed in m/s that the tool's rotation gives to the point */
     float area[OST_SHELL_MAX];
-    /* resistance in N s/m to the advance of the point in bone of the reference density */
+    /* resistance in N s/m of a point that advances into bone of the reference density */
     float give[OST_SHELL_MAX];
     bool cutting[OST_SHELL_MAX];     /* true if the point can cut and the tool rotates */
     bool edge[OST_SHELL_MAX];        /* true if the point can cut */
@@ -69,15 +69,14 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
 /* Updates the values that depend on params->speed, the speed of the tool. */
 void ost_contact_shell_speed(contact_shell *shell, const ost_force_params *params);
 /*
- * Finds the points that touch bone. A point counts as touching if the position one voxel outward of the point lies in
- * bone.
+ * Finds the points that touch bone. A point touches bone if the position one voxel outward from the point lies in bone.
  */
 ost_status ost_contact_touch(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, contact *c,
                              ost_error *err);
 /*
- * Finds the points that press: the position at the distance `layer` (m) outward of such a point lies in bone. c->depth
- * is the depth of this position in the bone along the inward normal, limited to 2 * layer. c->density is the density at
- * this position.
+ * Finds the points that press. A point presses if the position `layer` metres outward from the point lies in bone.
+ * c->depth is the depth of this position in the bone along the inward normal, limited to 2 * layer. c->density is the
+ * density at this position.
  */
 ost_status ost_contact_press(const ost_bone *bone, const contact_shell *shell, const contact_pose *pose, double layer,
                              contact *c, ost_error *err);

@@ -10,7 +10,7 @@
  * The normal is the gradient of the solid fraction within a ball of REACH voxels.
  * A face of area s^2 represents the area s^2 |e . n| of the surface, where e is the
  * direction of the face; the sum over the steps of a slanted surface is its true
- * area.  The size of the cells is increased until there are few enough points.
+ * area.  The size of the cells is increased until there are at most OST_SHELL_MAX points.
  * Faces of a cell with opposite directions, as on a thin wall, are not merged.
  */
 #include <math.h>
