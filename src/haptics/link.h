@@ -89,7 +89,7 @@ link_verdict ost_link_unseal(link_key *key, const uint8_t *bytes, size_t size, l
 
 /* ---------------------------------------------------------------- numbers */
 
-/* Records which of a sender's packets with the 64 highest sequence numbers have arrived. */
+/* Records, for the 64 highest sequence numbers of a sender, which packets have arrived. */
 typedef struct link_window {
     /* `last` is the newest sequence number; bit i of `seen` is set if packet last - i has arrived */
     uint64_t last, seen;

@@ -136,7 +136,7 @@ static bool run_loop(servo *s)
 
 /*
  * Classifies the missed deadlines of a tick. The time since s->ready includes the rehearsals and the wait before the
- * tick. These may take lead_ns, which is therefore subtracted from the tick's own work.
+ * tick, which may take lead_ns. Therefore lead_ns is subtracted from this time.
  */
 static void count_missed(servo *s, uint64_t missed)
 {

@@ -43,7 +43,7 @@ enum {
     LOST_MS = 5000,
     OWNER_MS = 1000,     /* time without packets, in ms, after which another bridge may take over */
     PATIENT_TICKS = 4,   /* number of ticks without a packet during which the last pose is used */
-    BRIDGED_TICKS = 50,  /* number of ticks without a packet after which the next pose is rejected at any distance */
+    BRIDGED_TICKS = 50,  /* number of ticks without a packet after which the next pose is always rejected */
     DRAIN = 64,          /* maximum number of packets received before the thread checks again whether it must end */
     NAME = 512,
     FAREWELLS = 3

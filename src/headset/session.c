@@ -135,8 +135,8 @@ ost_headset_counts ost_headset_counts_get(const ost_headset *h)
 /* ------------------------------------------------------------------ session */
 
 /*
- * Chooses the format of the swapchains: sRGB, or RGBA8 if there is none. The picture is sRGB-encoded already. It is
- * therefore copied unchanged, and a texture with an sRGB format displays it correctly.
+ * Chooses the format of the swapchains: sRGB or, if the runtime does not offer it, RGBA8. The picture is already
+ * sRGB-encoded, so it is copied unchanged and displayed correctly from a texture with an sRGB format.
  */
 static ost_status choose_format(const ost_headset *h, int64_t *out, ost_error *err)
 {
