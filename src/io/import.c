@@ -33,8 +33,8 @@ enum { THRESHOLD = 120, CHUNK = 32, BATCH_VOXELS = 1 << 22 };
 /*
  * The grid of a text file with n samples may have at most max(2^24, 256 n) voxels. A line has at least 8 bytes and a
  * voxel has 2 bytes, so a grid needs at most 32 MiB or, if this is greater, 64 times the file's size. Real files need
- * far fewer voxels per sample: a bone without its surroundings fills 5 to 30 % of its bounding box, and the shell of a
- * bone is also far below the limit.
+ * far fewer voxels per sample: a bone without its surroundings fills 5 to 30 % of its bounding box, and a file that
+ * contains only the shell of a bone is also far from the limit.
  */
 static const uint64_t SPARSE_FLOOR = UINT64_C(1) << 24;
 static const uint64_t SPARSE_RATIO = 256;

@@ -5,8 +5,8 @@
  *   image 0 from process 0, image 1 from process 1, ..., image n from process 0, ...
  *
  * The processes decode in parallel. A process blocks while its pipe is full, so its memory does not grow with the
- * number of images. If several images have the same position, each further one is compared with the first and then
- * dropped.
+ * number of images. If several images have the same position, each image after the first is compared with the first
+ * and then dropped.
  */
 #ifndef OST_IO_DICOM_IMAGES_H
 #define OST_IO_DICOM_IMAGES_H

@@ -24,7 +24,7 @@ ost_status ost_dicom_request_open(ost_dicom_action action, const uint8_t *salt, 
     memcpy(request.salt, salt, sizeof request.salt);
     *out = -1;
     const int fd = memfd_create("osteon-dicom", MFD_CLOEXEC);
-    const int own = fd >= 0 ? dup(fd) : -1; /* owned by the stream; has the same file position as fd */
+    const int own = fd >= 0 ? dup(fd) : -1; /* owned by the stream; shares the file position of fd */
     FILE *stream = own >= 0 ? fdopen(own, "w") : NULL;
     bool written = stream && fwrite(&request, sizeof request, 1, stream) == 1;
     for (size_t i = 0; i < path_count && written; i++) {

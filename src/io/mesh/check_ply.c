@@ -54,7 +54,8 @@ typedef struct element {
 
 typedef struct ply {
     mesh_input *in;
-    mesh_text text; /* header and ASCII body; in a binary body, text.at is the current position */
+    /* the header and, if it is ASCII, the body; text.at is the current position, also in a binary body */
+    mesh_text text;
     FILE *out;
     int format;
     int element_count;

@@ -12,8 +12,8 @@
 #include "core/file.h"
 
 /*
- * Maximum size of a mesh file in bytes: more than twice the size of a binary STL file with
- * OST_MESH_FILE_TRIANGLES_MAX triangles, which is enough for a text file with 128 bytes per triangle.
+ * Maximum size of a mesh file in bytes. A text file may thus have 128 bytes for each of
+ * OST_MESH_FILE_TRIANGLES_MAX triangles; a binary STL file needs only 50 bytes for each.
  */
 #define FILE_MAX (INT64_C(1) << 30)
 

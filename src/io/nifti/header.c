@@ -331,7 +331,7 @@ static void take_exact(ost_nifti_header *h)
 
 /* ------------------------------------------------------------------ reading */
 
-/* The raw header in native byte order, after libnifti has swapped its bytes. */
+/* The raw header, which read_raw converts to native byte order. */
 typedef union raw_header {
     unsigned char bytes[540];
     nifti_1_header one;
