@@ -42,7 +42,7 @@ static inline __m256i cell_along(__m256i u, const ost_cells *cells, int axis)
     return _mm256_min_epi32(_mm256_max_epi32(c, _mm256_setzero_si256()), _mm256_set1_epi32(cells->dims[axis] - 1));
 }
 
-/* Returns v with the lanes whose bits are set in `mask` moved to the front. */
+/* Returns a vector that begins with the lanes of v whose bits are set in `mask`, in order. */
 static inline __m256i packed(__m256i v, unsigned mask)
 {
     const uint64_t bytes = _pdep_u64(mask, UINT64_C(0x0101010101010101)) * 0xff;
