@@ -9,9 +9,9 @@
  *      ########  x  ###########     #### layer| ^ depth
  *      ######## bone ##########     ##########x | ####
  *
- * Along the inward normal of a point, the surface of the bone lies half-way between
- * the centre of the last active voxel and the centre of the next voxel that is
- * not active, both projected onto the normal.  McNeely, Puterbaugh and Troy (1999)
+ * Two voxel centres are projected onto the inward normal of a point: that of the
+ * last active voxel and that of the next voxel, which is not active.  The surface of
+ * the bone lies half-way between the two projections.  McNeely, Puterbaugh and Troy (1999)
  * use a tangent plane through the centre of the voxel; here the plane is at the
  * border of the voxel.
  */

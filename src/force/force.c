@@ -51,7 +51,7 @@ typedef struct grip {
     double velocity[3]; /* filtered velocity of the device in m/s */
     double turning[3];  /* filtered angular velocity of the device in rad/s */
     double drag[3];     /* lateral force of cutting in N, low-pass filtered */
-    double drag_nm[3];  /* torque of this force in N m, low-pass filtered */
+    double drag_nm[3];  /* torque of the lateral force of cutting in N m, low-pass filtered */
     double spun;        /* angle in rad by which the tool has rotated */
     double turned;      /* sum in rad of the angles by which ost_force_motor has turned the pose */
 } grip;
@@ -315,8 +315,8 @@ static void pull(balance *e, int first, double k, double d, double dt, const dou
     }
 }
 
-/* Maximum force of the coupling, and maximum sum of the points' forces in the law `instant`. This force is more than a
-   hand can exert, and is reached only if the device is far from the tool or deep in the bone. */
+/* Maximum of the coupling's force and, in the law `instant`, of the sum of the points' forces. A hand cannot exert so
+   great a force; it is reached only if the device is far from the tool or deep in the bone. */
 #define DEVICE_FORCE_MAX_N 300.0
 
 /*
