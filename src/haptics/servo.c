@@ -62,7 +62,7 @@ static uint32_t ns32(int64_t ns)
     return ns < 0 ? 0 : ns < UINT32_MAX ? (uint32_t)ns : UINT32_MAX;
 }
 
-/* Returns the number of ticks to skip, which became due between a tick's due time and its end. */
+/* Returns the number of further ticks that became due before a tick ended. These ticks are skipped. */
 static int64_t skipped_after(int64_t due, int64_t end, int64_t period)
 {
     return end > due ? (end - due) / period : 0;

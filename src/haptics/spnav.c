@@ -6,9 +6,9 @@
  *
  * The cap sets a speed, not a position, because it returns to its centre by itself. The motion is
  * therefore unlimited. A fully pushed cap moves the tool at the speed given by the `speed` option and rotates the tool
- * at the speed given by the `turn` option. Within the dead zone, the speed is zero; from there to full deflection, it
- * increases linearly. x points to the right, y up, and z toward the operator; libspnav's z has the opposite direction.
- * libspnav reports only changes, so the last values apply until the next event.
+ * at the speed given by the `turn` option. Within the dead zone, the speed is zero; from the edge of the dead zone to
+ * full deflection, it increases linearly. x points to the right, y up, and z toward the operator; libspnav's z has the
+ * opposite direction. libspnav reports only changes, so the last values apply until the next event.
  *
  * With hold=1, the tool moves only while button 1 is pressed. The device renders no force.
  */

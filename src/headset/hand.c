@@ -5,7 +5,7 @@
 
 /* A type of controller, and its inputs. */
 typedef struct profile {
-    /* path of the profile, and for each button the path of its input relative to the hand; NULL if there is none */
+    /* path of the profile, and for each button the path of its input relative to the hand or NULL if it has no input */
     const char *path, *button[HAND_BUTTONS];
 } profile;
 
