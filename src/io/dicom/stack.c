@@ -143,8 +143,8 @@ static void normal_of(const ost_dicom_frame *f, int64_t out[3])
 }
 
 /*
- * Computes the component of b - a along the direction d, rounded half to even: (b - a) d 10^9 / (d d), where d is given
- * in units of 10^-9. Each coordinate of b - a is below 2^45 and |d| < 2^31, so the dividend is below 3 * 2^106.
+ * Computes the component of b - a along the direction d, rounded half to even: 10^9 ((b - a) . d) / (d . d), where d is
+ * given in units of 10^-9. Each coordinate of b - a is below 2^45 and |d| < 2^31, so the dividend is below 3 * 2^106.
  */
 static ost_pm component(const ost_pm a[3], const ost_pm b[3], const int64_t d[3])
 {

@@ -3,9 +3,9 @@
  * Checks STL files.
  *
  *   binary   80 bytes of any content, uint32 count, count * (12 float32, 2 bytes)
- *            Further bytes, fewer than a triangle takes, are ignored, because
- *            some programs append a byte.  Header and attributes are zeroed, because
- *            assimp would read colours from them.
+ *            Up to 49 further bytes are ignored, because some programs append a
+ *            byte.  Header and attributes are zeroed, because assimp would read
+ *            colours from them.
  *   ASCII    solid NAME  ( facet normal N N N  outer loop  3 x vertex N N N
  *            endloop  endfacet )*  endsolid NAME, once or several times
  *            Line breaks between words are arbitrary.  The plain form has no

@@ -3,10 +3,10 @@
  * Writes binary STL, little-endian: a header of 80 bytes, a uint32 count, and for
  * each triangle its normal, three corners (float32, millimetres) and a uint16 of 0.
  *
- * A corner is the float32 nearest to the position in millimetres, computed via the
- * nearest double; normals are written only for viewers. Equal meshes give equal
- * files, because the header contains the program's name but neither a date nor the
- * name of a machine.
+ * A corner is the position in millimetres, rounded to the nearest double and then
+ * to the nearest float32. Normals are written only for viewers. Equal meshes give
+ * equal files, because the header contains the program's name but neither a date nor
+ * the name of a machine.
  */
 #include <math.h>
 #include <string.h>

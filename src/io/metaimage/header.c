@@ -103,7 +103,7 @@ static key key_of(char *line, size_t *length, char **equals)
     return find_key(line, *length);
 }
 
-/* Stores a header fact. `line` begins with the key, osteon_..., which has `length` bytes. */
+/* Stores a header fact. `line` begins with the key, which begins with "osteon_" and has `length` bytes. */
 static ost_status take_fact(reader *r, const char *line, size_t length, char *value, long number)
 {
     char name[OST_META_KEY];
