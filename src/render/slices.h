@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws three slices with a scale bar and directions. A callback provides the colours. Used by ost_picture_slices
-   and for pictures of differences. */
+/* Draws three slices with a scale bar and the directions of the axes. A callback provides the colours.
+   ost_picture_slices and the pictures of differences use this code. */
 #ifndef OST_RENDER_SLICES_H
 #define OST_RENDER_SLICES_H
 

@@ -67,7 +67,7 @@ static void fit(const ost_volume *volume, int32_t threshold, double aspect, aim 
     }
 }
 
-/* Replaces each 2 x 2 pixels of the frame by their mean colour, in place: a mean overwrites only a pixel that has
+/* Replaces each 2 x 2 pixels of the frame with their mean colour, in place: a mean overwrites only a pixel that has
    already been read. */
 static void halve(ost_sheet *sheet)
 {

@@ -98,12 +98,12 @@ void ost_viewer_use_card(ost_viewer *viewer);
  */
 ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_error *err);
 
-/* Adds a tool. Tools must be added in the order of the world's tools. */
+/* Adds a tool. Tools must be added in the same order as to the world. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
  * Sets the meshes of the most recently added tool, one mesh for each part, in the frame of the tool. With
- * OST_STYLE_SMOOTH, the meshes are drawn instead of the tool's voxels, unless there are no triangles or more than
- * OST_SMOOTH_TRIANGLES_MAX triangles.
+ * OST_STYLE_SMOOTH, the meshes are drawn instead of the tool's voxels if the number of triangles is 1 to
+ * OST_SMOOTH_TRIANGLES_MAX.
  */
 ost_status ost_viewer_smooth_tool(ost_viewer *viewer, const ost_mesh *parts, int count, ost_error *err);
 /*
@@ -131,17 +131,17 @@ ost_status ost_viewer_update(ost_viewer *viewer, ost_error *err);
    ost_camera_check. */
 ost_status ost_viewer_draw(ost_viewer *viewer, const ost_camera *camera, ost_error *err);
 /*
- * Draws the bone and the tool into a picture that stays in OpenGL (ost_gl_copy, ost_gl_show), without overlays and
- * ghost. viewer->frame does not change. `middle` is the point at which the forward axis passes through the picture, in
- * pixels from the left and top edges; NULL means the middle of the picture. Returns OST_ERR_UNAVAILABLE if OpenGL is
- * not in use or fails, and OST_ERR_RANGE under the same conditions as ost_gl_draw.
+ * Draws the bone and the tool, without overlays and ghost, into a picture that stays in OpenGL (ost_gl_copy,
+ * ost_gl_show). viewer->frame does not change. `middle` is the point at which the forward axis passes through the
+ * picture, in pixels from the left and top edges; NULL means the middle of the picture. Returns OST_ERR_UNAVAILABLE if
+ * OpenGL is not in use or fails, and OST_ERR_RANGE under the same conditions as ost_gl_draw.
  */
 ost_status ost_viewer_draw_gl(ost_viewer *viewer, const ost_camera *camera, const double middle[2], ost_error *err);
 /*
- * ost_viewer_show draws a frame, and a sheet of the frame's size over it, into framebuffer 0 of the context of
- * ost_viewer_use_current. The frame is not read back. If OpenGL fails, viewer->gl is NULL afterwards, and the caller
- * can use ost_viewer_draw. ost_viewer_can_show returns true if OpenGL draws in this context and neither a ghost nor an
- * overlay is shown, because only the CPU can draw these.
+ * ost_viewer_show draws a frame into framebuffer 0 of the context of ost_viewer_use_current. `sheet`, which has the
+ * frame's size, is drawn over the frame. The frame is not read back. If OpenGL fails, viewer->gl is NULL afterwards,
+ * and the caller can use ost_viewer_draw. ost_viewer_can_show returns true if OpenGL draws in this context and neither
+ * a ghost nor an overlay is shown, because only the CPU can draw these.
  */
 bool ost_viewer_can_show(const ost_viewer *viewer);
 ost_status ost_viewer_show(ost_viewer *viewer, const ost_camera *camera, const ost_gl_sheet *sheet, ost_error *err);
