@@ -6,10 +6,11 @@
  *   along y   g(j) = min over i of f(i) + (s (j - i))^2, for each column of a slice
  *   along z   the same, for each column of a plane y = constant
  *
- * Only one slice or plane is stored as a dense array. A column is divided at its unlabelled voxels, at which f is 0. A
- * voxel beyond an unlabelled voxel never gives a smaller value than the unlabelled voxel itself, so the parts of a
- * column are processed separately. The minimum is found as the lower envelope of the parabolas f(i) + (s (j - i))^2
- * (Meijster, Roerdink, Hesselink 2000), in time proportional to the number of voxels.
+ * s is the spacing along the axis, and f is the result for the previous axis. Only one slice or plane is stored as a
+ * dense array. A column is divided at its unlabelled voxels, at which f is 0. A voxel beyond an unlabelled voxel never
+ * gives a smaller value than the unlabelled voxel itself, so the parts of a column are processed separately. The
+ * minimum is found as the lower envelope of the parabolas f(i) + (s (j - i))^2 (Meijster, Roerdink, Hesselink 2000), in
+ * time proportional to the number of voxels.
  *
  * Ranges: s <= 10^5 um (AR-GRID-1) and 0 <= i, j < 2^14, so (s j)^2 < 2^62; f <= FAR < 2^32.
  */
@@ -53,7 +54,7 @@ static void along_x(const segment_sparse *sparse, size_t i, int64_t s, uint32_t 
 /* ---------------------------------------------------------- along y and z */
 
 /*
- * Scratch for one column. From voxel start[q] on, the lowest parabola is that of voxel vertex[q]. Its range ends at
+ * Scratch for one column. From voxel start[q] on, the lowest parabola is that of voxel vertex[q]. This range ends at
  * start[q + 1] or at the end of the column.
  */
 typedef struct envelope {
@@ -86,8 +87,8 @@ static void minimum(envelope *e, uint32_t *column, size_t stride, int32_t n, int
             continue;
         }
         /*
-         * v is the vertex of the previous parabola, so v < u. At the voxels up to and including `last`, the parabola of
-         * v is not above the parabola of u.
+         * v < u is the vertex of the previous parabola. Up to and including voxel `last`, the parabola of v is not
+         * above that of u.
          */
         const int64_t v = e->vertex[q];
         const int64_t last = ost_floor_div((int64_t)e->f[u] - e->f[v] + s * s * ((int64_t)u * u - v * v),

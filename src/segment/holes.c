@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * A hole is a connected component of voxels without a label that does not touch the border of the grid and contains no
- * air. Along x, the voxel before a run of voxels of a hole has a label: without a label, this voxel would belong to the
- * hole too, and a hole does not begin at the border.
+ * air. A hole consists of runs along x. The voxel before a run exists, because a hole does not touch the border. This
+ * voxel has a label; otherwise, it would belong to the hole.
  */
 #include "core/conditions.h"
 
@@ -36,7 +36,8 @@ static void has_no_label(void *user, int32_t y, int32_t z, bool *in)
         in[x] = row[x] == 0;
 }
 
-/* Stores the surrounding label in label[c] for each component c that is a hole, and sets open[c] for all others. */
+/* Stores the surrounding label in label[c] for each component c that is a hole, and sets open[c] to true for all other
+   components. */
 static void find_holes(const block *b, const segment_runs *runs, int16_t *label, bool *open)
 {
     const ost_dims d = b->ct->geometry.dims;

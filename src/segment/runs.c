@@ -46,8 +46,8 @@ static void join(segment_run *items, uint32_t a, uint32_t b)
 }
 
 /*
- * Joins the components of the runs [from, to) of a row and the runs [other, end) of a neighbouring row that overlap in
- * x.
+ * Joins the components of runs that overlap in x. The runs [from, to) lie in one row, and the runs [other, end) in a
+ * neighbouring row.
  */
 static void join_rows(segment_run *items, size_t from, size_t to, size_t other, size_t end)
 {

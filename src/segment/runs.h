@@ -24,7 +24,7 @@ typedef struct segment_runs {
     segment_run *items; /* owned */
     size_t count, capacity;
     size_t rows_count;  /* number of rows, ny nz */
-    size_t *rows;       /* owned; row i = y + ny z consists of the runs [rows[i], rows[i + 1]) */
+    size_t *rows;       /* owned; row (y, z) consists of the runs [rows[i], rows[i + 1]), i = y + ny * z */
     uint32_t components;
 } segment_runs;
 

@@ -162,8 +162,9 @@ static ost_status label_components(job *j, ost_error *err)
 /* ------------------------------------------------------------- separation */
 
 /*
- * Measures the pieces. piece[i] is the number of voxel i's piece. Voxels with a negative label only closed holes of
- * slices and are not counted. All other voxels that are not candidates are counted as filled.
+ * Measures the pieces. Voxel i belongs to piece number piece[i]. Voxels with a negative label are not counted, because
+ * they were labelled only to close holes of slices. Of the other voxels, those that are not candidates are counted as
+ * filled.
  */
 static ost_status measure_pieces(job *j, const segment_sparse *sparse, const uint32_t *piece, uint32_t pieces,
                                  ost_error *err)

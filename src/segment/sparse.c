@@ -5,7 +5,7 @@
 
 /*
  * Counts the runs of all rows, and also stores them if out->runs is not NULL. Returns false if the number of labelled
- * voxels or of runs exceeds a 32-bit index.
+ * voxels or of runs is too large for a 32-bit index.
  */
 static bool visit(const ost_volume *labels, segment_sparse *out)
 {
@@ -39,7 +39,7 @@ static bool visit(const ost_volume *labels, segment_sparse *out)
     return true;
 }
 
-/* Computes near[a] and past[a] for each run of row i. `other` is the index of the neighbouring row a. */
+/* Computes near[a] and past[a] for each run of row i. Row `other` is neighbour number a of row i. */
 static void find_near(segment_sparse *s, size_t i, int a, size_t other)
 {
     uint32_t k = s->rows[other];

@@ -28,7 +28,7 @@ typedef struct segment_sparse {
     uint32_t count;           /* number of labelled voxels */
     size_t run_count;
     segment_sparse_run *runs; /* owned */
-    uint32_t *rows;           /* owned; row i = y + ny z consists of the runs [rows[i], rows[i + 1]) */
+    uint32_t *rows;           /* owned; row (y, z) consists of the runs [rows[i], rows[i + 1]), i = y + ny * z */
     uint32_t *run_of;         /* owned; for each voxel, the index of its run */
 } segment_sparse;
 

@@ -22,7 +22,7 @@ enum { LEVELS = SEGMENT_DISTANCE_MAX + 1 };
 #define NONE UINT32_MAX
 
 typedef struct basin {
-    uint32_t parent; /* basin to which this basin was joined; its own number if there is none */
+    uint32_t parent; /* basin to which this basin was joined; this basin's own number if it was not joined */
     uint32_t peak;   /* first voxel of the basin, which is also its highest */
 } basin;
 
