@@ -13,10 +13,10 @@ enum { PRESS_TICKS = 500, SOFT_TICKS = 2000, BREATH_P = 637, SWEEP_P = 955, WOBB
 
 #define BEGIN -2.0     /* depth at tick 0 in mm, at which the tool does not touch the rim of the face */
 #define PRESSED 12.0   /* depth after PRESS_TICKS in mm */
-#define CREEP 1.5e-4   /* increase of the depth in mm per tick */
+#define CREEP 1.5e-4   /* increase in depth in mm per tick */
 #define DEEPEST 24.0
 #define BREATH 1.5    /* amplitude of the motion along the axis in mm */
-#define SWEEP_X 4.0   /* half axis of the ellipse along x in mm; SWEEP_Y is the half axis along y */
+#define SWEEP_X 4.0   /* semi-axis of the ellipse along x in mm; SWEEP_Y is the semi-axis along y */
 #define SWEEP_Y 6.0
 #define LEAN 0.0262   /* half of the tool's tilt of 3 degrees, in radians */
 

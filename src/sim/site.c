@@ -24,8 +24,8 @@
 #define FRONT_RADIUS_MM 18.0
 
 /*
- * The fraction of bone is measured in two cylinders around the axis, one on each side of the glenoid. They extend from
- * CORE_FROM_MM to CORE_TO_MM.
+ * The fraction of bone is measured in two cylinders around the axis, one on each side of the glenoid. Along the axis,
+ * their distance from the glenoid is CORE_FROM_MM to CORE_TO_MM.
  */
 #define CORE_RADIUS_MM 4.0
 #define CORE_FROM_MM 1.0

@@ -76,8 +76,8 @@ ost_status ost_world_add_tool(ost_world *world, const char *name, const ost_tool
     ost_map map;
     ost_status status = ost_map_make(&identity, &world->geometry, &tool->geometry, &map, err);
     /*
-     * The event below reaches no voxel. It makes the backend compute its data for this tool and this bone before
-     * the first tick.
+     * The box of the event below contains no voxel. The event makes the backend compute its data for this tool and this
+     * bone before the first tick.
      */
     const ost_voxel_box nowhere = {{0, 0, 0}, {0, 0, 0}};
     const ost_removal_event nothing = {

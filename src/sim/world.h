@@ -8,7 +8,7 @@
 
 #include "sim/entity.h"
 
-/* The state after a tick that the next tick needs, except for the poses of the tools. */
+/* The state that the next tick needs, except for the poses of the tools. */
 typedef struct ost_world_clock {
     int tool;          /* tool in use; -1 before the first tick */
     bool running;      /* true if the motor was on in the last tick */
@@ -20,11 +20,11 @@ typedef struct ost_world_clock {
 
 /* The data from which a failover starts; see failover.c. */
 typedef struct ost_world_saved {
-    int16_t *voxels; /* owned; voxels of the bone before the first of `ticks` */
+    int16_t *voxels; /* owned; the bone's voxels before ticks[0] */
     uint8_t *tools[OST_WORLD_TOOLS_MAX]; /* owned; classes of all voxels of each tool */
     ost_tick *ticks; /* owned; options.saved_ticks elements; the first `count` are the ticks since the copy */
     int32_t count;
-    /* State of the world before the first of `ticks`. */
+    /* State of the world before ticks[0]. */
     ost_input_component inputs[OST_WORLD_TOOLS_MAX];
     ost_world_clock clock;
 } ost_world_saved;
@@ -66,7 +66,7 @@ ost_status ost_world_reserve_poses(ost_world *world, int count, ost_error *err);
 
 /* -------------------------------------------------------------------- step.c */
 
-/* Advances the world like ost_world_step, but without storing the tick for a failover. result must not be NULL. */
+/* Advances the world as ost_world_step does, but does not store the tick for a failover. `result` must not be NULL. */
 ost_status ost_world_advance(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 
 #endif
