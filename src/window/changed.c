@@ -5,7 +5,7 @@
 
 #include "core/bits_run.h"
 
-/* SLACK is the maximum number of unchanged pixels that a box may include to avoid a further box. */
+/* SLACK: two boxes are joined if the joined box has at most this number of additional pixels. */
 enum { BAND = OST_WINDOW_CELL_HEIGHT, RUN = OST_WINDOW_CELL_WIDTH, SLACK = 8192 };
 
 typedef uint32_t four __attribute__((vector_size(16)));

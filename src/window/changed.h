@@ -5,8 +5,8 @@
  *   picture --red and blue swapped--> equal to the stored pixels? --no--> shared memory, boxes --> X server
  *
  * Usually only a small part of a picture changes from frame to frame: the tool and its surroundings. Only cells that
- * may have changed are compared. A comparison costs as much as a write. It saves time in later steps, such as the
- * server's copy, which take time in proportion to the size of the boxes.
+ * may have changed are compared. Comparing a cell takes as long as writing it, but later steps, such as the server's
+ * copy, take less time if the boxes are small.
  */
 #ifndef OST_WINDOW_CHANGED_H
 #define OST_WINDOW_CHANGED_H

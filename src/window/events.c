@@ -76,7 +76,7 @@ static void on_button(GLFWwindow *handle, int button, int action, int mods)
                .kind = OST_WINDOW_BUTTON, .button = button, .pressed = action == GLFW_PRESS, .mods = w->mods});
 }
 
-/* Limits the picture's size to the maximum of both OpenGL and the renderer, preserving the aspect ratio. */
+/* Limits the picture's sides to the maximum that OpenGL and the renderer support. Preserves the aspect ratio. */
 static void picture_size(const ost_window *w, int *width, int *height)
 {
     const int most = w->side < OST_WINDOW_SIDE ? w->side : OST_WINDOW_SIDE;

@@ -56,9 +56,8 @@ typedef struct calls {
 } calls;
 
 /*
- * Finds a function by name. Returns false if it does not exist. The result is also false if the library is missing:
- * its handle is then NULL, which equals RTLD_DEFAULT, so dlsym searches the program, which does not contain the
- * function.
+ * Finds a function by name. Returns false if the function or the library is missing. If the library is missing, its
+ * handle is NULL, which equals RTLD_DEFAULT. dlsym then searches the program, which does not contain the function.
  */
 static bool find(void *library, const char *name, void *function)
 {

@@ -108,18 +108,19 @@ typedef struct ost_window_picture {
     const uint32_t *pixels;
     int stride, width, height;
     /*
-     * one bit for each cell of 16 x 8 pixels, in rows of changed_words words; set if the cell may differ from the last
-     * presented picture, which had the same size; NULL if any pixel may differ
+     * array of bits, one for each cell of 16 x 8 pixels, in rows of changed_words words. A bit is set if its cell may
+     * differ from the last presented picture. NULL if any pixel may differ; ignored if the last picture had a different
+     * size
      */
     const uint64_t *changed;
     int changed_words;
 } ost_window_picture;
 
 /*
- * Shows a picture of the size that ost_window_size last returned. If `sync` is true and the screen has a vertical sync,
- * waits for it. After a driver reset, creates a new context and does not show the picture; the next call shows one.
- * Returns OST_ERR_UNAVAILABLE if no new context can be created, if resets recur, or if the display is gone. The caller
- * must then close the window.
+ * Shows a picture of the size that ost_window_size last returned. If `sync` is true, waits for the screen's vertical
+ * sync, if there is one. After a driver reset, creates a new context and does not show the picture; the next call shows
+ * one. Returns OST_ERR_UNAVAILABLE if no new context can be created, if resets recur, or if the display is gone. The
+ * caller must then close the window.
  */
 ost_status ost_window_present(ost_window *window, const ost_window_picture *picture, bool sync, ost_error *err);
 
