@@ -43,7 +43,7 @@ void bundle_abandon(bundle *b); /* b may be NULL */
    was written. */
 typedef enum bundle_problem_kind { BUNDLE_ABSENT, BUNDLE_DIFFERENT } bundle_problem_kind;
 
-/* Called for each problem of a bundle. If a file cannot be read, the check itself fails without a call of this
+/* Called for each problem of a bundle. If a file cannot be read, the check itself fails and does not call this
    function. */
 typedef void bundle_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem);
 

@@ -32,9 +32,9 @@ typedef struct check_how {
 } check_how;
 
 /*
- * Runs the cases again in workers. The digests of the reference (of the inputs and all records) must equal those in
- * the bundle. The digests of how->backend must equal those in the bundle or, if the bundle has none for this backend,
- * those of the reference.
+ * Runs the cases again in workers. The reference's digests of the inputs and of all records must equal those in the
+ * bundle. The digests of how->backend must equal those in the bundle or, if the bundle has none for this backend, those
+ * of the reference.
  */
 ost_status check_again(const char *folder, const check_how *how, bundle_problem *problem, void *user, int *found,
                        ost_error *err);

@@ -69,8 +69,8 @@ static ost_status first_line(const char *path, char line[], int size, ost_error 
     return status;
 }
 
-/* Makes the loader's list of OpenCL drivers, such as {"pocl.icd": "libpocl.so.2"}. The libraries themselves are
-   listed in tools.json. */
+/* Lists the OpenCL drivers that the loader uses, in a form such as {"pocl.icd": "libpocl.so.2"}. The libraries
+   themselves are listed in tools.json. */
 static ost_status drivers(json_t **out, ost_error *err)
 {
     const char *given = getenv("OCL_ICD_VENDORS"), *folder = given && *given ? given : "/etc/OpenCL/vendors";

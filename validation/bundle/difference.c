@@ -101,7 +101,8 @@ static bool own_dims(const json_t *protocol, const char *id, const char *stage, 
     return false;
 }
 
-/* Finds the dims for a generated case. Returns false if this program generates a different case with the same name. */
+/* Finds the dims of a grid for a generated case. If this program generates a different case with this name, the dims
+   are unknown, and the function returns false. */
 static bool generated_dims(const json_t *protocol, const json_t *one, const char *stage, json_int_t item, ost_dims *out)
 {
     const char *tier = evidence_text(protocol, "tier");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The evidence of a campaign. All of its files are derived from two:
+ * All files of a campaign's evidence are derived from two files:
  *
  *   protocol.json  the planned cases and backends, written before the first case runs
  *   cases.jsonl    a line per case: the digest of the input, the digests of all results of the reference,
@@ -80,8 +80,8 @@ char *evidence_own_options(const json_t *protocol, bool how);
 enum { EVIDENCE_DESCRIPTION = 400 };
 void evidence_describe(const json_t *result, char text[EVIDENCE_DESCRIPTION]);
 
-/* Returns NULL if a result comes from a comparison. If not, returns the reason, for test harnesses: the backend
-   did not run, or the reference and the backend refused the input. */
+/* Returns NULL if a result comes from a comparison. Otherwise, returns the reason for a test harness: either the
+   backend did not run, or the reference and the backend refused the input. */
 const char *evidence_skipped(const json_t *one, const json_t *result, const json_t *backend);
 
 /* Name of a failing test that is added if a campaign compared nothing. Without a failing test, a test harness would
@@ -97,7 +97,7 @@ ost_status evidence_write(const json_t *protocol, const json_t *cases, evidence_
 ost_status evidence_check_format(const char *folder, const json_t *protocol, ost_error *err);
 
 /*
- * Reads cases.jsonl line by line within the limits of limits.h. The error line of OST_ERR_INPUT contains the line
+ * Reads cases.jsonl line by line within the limits of limits.h. For OST_ERR_INPUT, the error line contains the line
  * number. If with_leaves is false, the digests of leaves (the largest part of the file) are omitted, and each line must
  * be identical to the text that this program writes.
  */

@@ -58,8 +58,11 @@ static bool leaves_ok(const json_t *leaves)
     return !leaves || json_is_array(leaves);
 }
 
-/* Writes digest line `at` of the reference. Line 0 contains the input's digest, and each record has one further line.
-   Writes "" if `at` is beyond the last line. Returns false if the input's digest or the record is malformed. */
+/*
+ * Writes digest line `at` of the reference. Line 0 contains the input's digest; each further line contains the digest
+ * of one record. Writes "" if `at` is beyond the last line. Returns false if the input's digest or the record is
+ * malformed.
+ */
 static bool reference_line(const json_t *one, size_t at, char line[LINE])
 {
     const json_t *rows = json_object_get(one, "reference"), *row;

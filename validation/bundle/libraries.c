@@ -174,8 +174,8 @@ static ost_status output_of(char *const argv[], char **text, ost_error *err)
     return OST_OK;
 }
 
-/* Writes the other path of a file: with the prefix /usr added or, if it is there, removed. A package may list the path
-   that the file had before /bin and /lib were merged into /usr. */
+/* Writes the alternative path of a file. Removes the prefix /usr from the path or, if the path does not have this
+   prefix, adds it. A package may list the path that the file had before /bin and /lib were merged into /usr. */
 static void other_name(const char *path, char out[PATH_MAX])
 {
     if (strncmp(path, "/usr/", 5) == 0)

@@ -33,8 +33,8 @@ ost_status limits_count(const char *where, const char *bytes, size_t size, size_
    line "WHERE:LINE: ...". */
 ost_status limits_parse(const char *where, const char *bytes, size_t size, json_t **out, ost_error *err);
 
-/* Copies a name or another string of a bundle for a message, and replaces characters other than printable ASCII by '?'.
-   Returns out. */
+/* Copies a name or another string of a bundle for a message, and replaces characters other than printable ASCII with
+   '?'. Returns out. */
 char *limits_printable(const char *text, char out[], size_t size);
 
 #endif

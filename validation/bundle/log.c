@@ -86,7 +86,7 @@ static void report(reader *r, const char *format, ...)
 }
 
 /* Splits the next line into its four fields at its tabs. At the end of the log, or if the line does not have this form,
-   reports that an entry `action` is expected and returns false. */
+   reports that an entry with this action is expected and returns false. */
 static bool next_line(reader *r, const char *action)
 {
     char *stop = strchr(r->at, '\n'), *field[3];

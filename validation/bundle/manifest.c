@@ -173,8 +173,8 @@ static bool digest_in(const char *hex, ost_digest *out)
     return hex[2 * OST_DIGEST_BYTES] == '\0';
 }
 
-/* Returns true if the root of a manifest follows from its rows, so that the manifest is unchanged. A row without a file
-   then shows that a file is missing. */
+/* Returns true if the root of a manifest follows from its rows, which means that the manifest is unchanged. In this
+   case, a row without a file shows that a file is missing. */
 static bool rows_give_root(const json_t *stated)
 {
     const json_t *files = json_object_get(stated, "files");

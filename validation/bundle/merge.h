@@ -21,8 +21,8 @@ typedef struct merged {
     int shards;
 } merged;
 
-/* Reads and merges the bundles in a folder. The error line of OST_ERR_INPUT names the bundle that is invalid,
-   missing, duplicated, or of another campaign. */
+/* Reads and merges the bundles in a folder. For OST_ERR_INPUT, the error line names the bundle that is invalid,
+   missing, duplicated, or from another campaign. */
 ost_status merge_read(const char *folder, merged *out, ost_error *err);
 void merge_free(merged *m);
 

@@ -110,8 +110,8 @@ static ost_status gather(const char *folder, const char *name, json_t **out, ost
     return status;
 }
 
-/* If a file is equal in all shards, writes it once. If the file differs and by_shard is true, writes an object with the
-   file of each shard. If the file differs and by_shard is false, fails. */
+/* Merges one file of the shards. If the file is identical in all shards, writes it once. If not, writes an object with
+   the file of each shard if by_shard is true, or returns an error if by_shard is false. */
 static ost_status merge_one(const char *folder, const char *name, bool by_shard, evidence_sink *sink, void *user,
                             ost_error *err)
 {

@@ -129,8 +129,8 @@ static ost_status statement_of(const contents *c, const claim *claimed, json_t *
 
 /* --------------------------------------------------------------- signing */
 
-/* Checks that the text is UTF-8, has no control characters and is at most SIGN_TEXT_MAX bytes long. Returns NULL, or
-   what is wrong with the text. */
+/* Checks that the text is UTF-8, has no control characters and is at most SIGN_TEXT_MAX bytes long. Returns NULL if the
+   text is valid, and otherwise a description of the problem. */
 static const char *line_problem(const char *text)
 {
     json_t *utf8 = json_string(text);
@@ -300,8 +300,8 @@ static int signer_of(const sign_trust *t, const sign_envelope *e, int s)
     return -1;
 }
 
-/* Verifies all signatures of an envelope and adds their fingerprints to `keys`. If a signature is invalid, returns the
-   reason. If all are valid, returns NULL. */
+/* Verifies all signatures of an envelope and adds the fingerprints of their keys to `keys`. If a signature is invalid,
+   returns the reason. If all are valid, returns NULL. */
 static const char *verify_signatures(const check *c, const sign_envelope *e, json_t *keys)
 {
     bool used[SIGN_KEYS_MAX] = {false};
@@ -392,7 +392,7 @@ static int by_name(const void *a, const void *b)
     return strcmp(a, b);
 }
 
-/* Checks every file of the folder in the order of the names, which begin with the time of signing. */
+/* Checks every file of the folder in order of name. The names begin with the time of signing. */
 static ost_status check_files(const check *c, DIR *dir, ost_error *err)
 {
     char names[FILES_MAX][256];

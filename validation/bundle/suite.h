@@ -4,11 +4,11 @@
  *
  *   requirements.csv --suite_tests--> paths of tests --suite_run--> suite.json
  *
- * suite.json has one object for each test that a requirement names, sorted by path. The object contains the
- * test's result, exit status and running time, and the size and SHA-256 of its output. The result follows
- * from the status as in automake's harness: 0 is passed, 77 is skipped, any other status is failed. A test
- * that was stopped also counts as failed. protocol.json records that the suite is part of the campaign, so
- * that a missing file suite.json is detected.
+ * suite.json has one object for each test that is listed in requirements.csv, sorted by path. The object contains the
+ * test's result, exit status and running time, and the size and SHA-256 of its output. The result follows from the
+ * status as in automake's harness: 0 is passed, 77 is skipped, any other status is failed. A test that was stopped also
+ * counts as failed. protocol.json records that the suite is part of the campaign, so that a missing file suite.json is
+ * detected.
  */
 #ifndef OST_VALIDATION_BUNDLE_SUITE_H
 #define OST_VALIDATION_BUNDLE_SUITE_H
@@ -25,7 +25,7 @@ enum { SUITE_SKIPPED = 77, SUITE_REASON = 200 };
 /* maximum size of the output of a test in bytes; a test that exceeds it is stopped */
 #define SUITE_OUTPUT_MAX ((json_int_t)64 << 20)
 
-/* Returns the tests that the rows of requirements.csv name, sorted and without duplicates. Returns NULL if memory is
+/* Returns the tests that are listed in requirements.csv, sorted and without duplicates. Returns NULL if memory is
    exhausted. The caller owns the result. */
 json_t *suite_tests(const char *requirements);
 

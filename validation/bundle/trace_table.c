@@ -187,7 +187,8 @@ static bool put_tests(char *tests, const json_t *suite, bool also, char *shown, 
     return tested;
 }
 
-/* Writes a string such as "rect: 1234 records equal" for each stage, and the checks that name the requirement. */
+/* Writes a string such as "rect: 1234 records equal" for each stage, and the results of the checks that list the
+   requirement. */
 static void put_shown(FILE *to, const char *id, char *tests, const outcomes *o, const json_t *common,
                       const json_t *suite, bool used[TRACE_STAGES])
 {
