@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The function table of the dense backend. Only dense_open opens this backend, because it is in no list of backends. */
+/* The function table of the dense backend. Only dense_open opens this backend, because no list of backends contains
+   it. */
 #include "validation/dense/parts.h"
 
 #include <stdlib.h>

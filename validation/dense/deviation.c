@@ -97,8 +97,8 @@ static deviation_position position(const deviant *m, int64_t item, const int32_t
     return p;
 }
 
-/* Increments *times. *kept becomes the position of the first call that has an effect, with the lowest voxel, leaf and
-   chunk number of that call. Returns false if p is from a later call, which does not change *kept. */
+/* Increments *times. *kept stores the first call that has an effect, with the lowest voxel, the lowest leaf and the
+   lowest chunk of that call. Returns false and does not change *kept if p is from a later call. */
 static bool first(const deviant *m, uint64_t *times, deviation_position *kept, deviation_position p)
 {
     if ((*times)++ == 0) {

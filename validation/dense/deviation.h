@@ -259,14 +259,14 @@ const deviation_about *deviation_describe(deviation_kind kind);
 const char *deviation_stage_name(deviation_stage stage);
 
 /*
- * The position of an effect. `voxel` and `leaf` (a cube of 32^3 voxels, as in a digest) are -1 if the effect
- * is in a line of the report or concerns a complete call. `chunk` is the chunk of the bone, or -1 if there is
- * none. If a call has several effects, the lowest voxel (in the order of AR-GRID-2), the lowest leaf and the
- * lowest chunk are stored. They may come from different effects.
+ * The position of an effect. `leaf` is the number of a cube of 32^3 voxels, as in a digest. `leaf` and the three
+ * elements of `voxel` are -1 if the effect is in a line of the report or concerns the call as a whole. `chunk` is the
+ * number of a chunk of the bone, or -1 if there is none. If a call has several effects, the lowest voxel (in the order
+ * of AR-GRID-2), the lowest leaf and the lowest chunk are stored. They may come from different effects.
  */
 typedef struct deviation_position {
     deviation_stage stage;
-    uint64_t call; /* number of calls of the stage before this call, since the backend was opened */
+    uint64_t call; /* number of earlier calls of the stage since the backend was opened */
     int64_t item;  /* index of the sample, chunk, triangle or other unit; -1 for first_changed */
     int32_t voxel[3];
     int64_t leaf;
@@ -274,7 +274,8 @@ typedef struct deviation_position {
 } deviation_position;
 
 typedef struct deviation_record {
-    /* number of times the mistake was made, and number of results it changed; if 0, the position is not valid */
+    /* number of times the mistake acted, and number of results it changed; first_acted is valid if acted > 0, and
+       first_changed is valid if changed > 0 */
     uint64_t acted, changed;
     deviation_position first_acted, first_changed;
     bool report; /* true if the first changed result is in the report */

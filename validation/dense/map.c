@@ -19,7 +19,7 @@ typedef struct pose {
     int64_t step[3][3]; /* steps of the map, without a mistake */
     int64_t used[3][3]; /* the steps that are used, which a mistake may have changed */
     bool drifting, negative_cut, border_in, all_cuts;
-    const ost_voxel_box *tight; /* box whose last layer the mistake omits; NULL for other mistakes */
+    const ost_voxel_box *tight; /* the mistake omits the last layer of this box; NULL for other mistakes */
 } pose;
 
 /* Returns the low 24 bits of v as a signed number. */

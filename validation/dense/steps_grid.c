@@ -2,7 +2,8 @@
 /* Computes the bone's grid by AR-CUB-1. The steps of the map are computed from this grid. */
 #include "validation/dense/steps.h"
 
-/* Returns the number of cubic voxels that cover n rect voxels: the least m with m c >= n s. */
+/* Returns the number of cubic voxels that cover n rect voxels: the least m with m * c >= n * s, where s and c are the
+   spacings of the rect and the cubic grid. */
 static int32_t voxels(int32_t n, ost_pm s, ost_pm c)
 {
     int32_t m = 1;

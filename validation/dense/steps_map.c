@@ -15,8 +15,11 @@ static wide wide_of_int128(ost_int128 v)
                                wide_of((int64_t)(v.low & 0xffffffff))));
 }
 
-/* Computes the map of bone voxel (i, j, k) to tool coordinates: U_a = 2^20 (((q* (p - t) q)_a / N) - corner_a) / s_t
-   with p = o + (i s, j s, k s). The common denominator is N s_t. */
+/*
+ * Computes the map of bone voxel (i, j, k) to tool coordinates: U_a = 2^20 (((q* (p - t) q)_a / N) - corner_a) / s_t
+ * with p = o + (i s, j s, k s). q and t are the rotation and position of the pose; o and s are the origin and spacing
+ * of the bone; s_t is the tool's voxel size. The common denominator is N s_t.
+ */
 void steps_map(const ost_pose *pose, const ost_geometry *bone, const ost_tool_geometry *tool, ost_map *out)
 {
     const wide n = steps_norm(pose), divisor = wide_times(n, wide_of(tool->voxel)), one = wide_power_of_two(20);

@@ -58,7 +58,8 @@ static ost_pose handle_between(const ost_pose *a, const ost_pose *b, int j, int 
                       of_unit_length(p.qz, r)};
 }
 
-/* Returns m of AR-MOTOR-7 for row i: the smallest m >= 1 with 8 * n * (t - t') <= m * U. */
+/* Returns m of AR-MOTOR-7 for row i: the smallest m >= 1 with 8 * n * (t - t') <= m * U. n is the motor's speed, t' and
+   t are the times of the previous row and of row i, and U is one revolution. */
 static int64_t parts_of(const ost_path *rows, size_t i, int32_t rpm)
 {
     if (i == 0 || rpm <= 0)

@@ -43,7 +43,8 @@ static wide greatest_way_squared(const ost_pose *a, const ost_pose *b, const ost
     return greatest;
 }
 
-/* Returns true if n poses are sufficient: 4 |d|^2 <= n^2 s^2. way_squared is |d|^2. */
+/* Returns true if n poses are sufficient: 4 |d|^2 <= n^2 s^2. d is the motion, way_squared is |d|^2, and s is the
+   bone's spacing. */
 static bool enough(int n, wide way_squared, ost_pm s)
 {
     const wide reach = wide_times(wide_of(n), wide_of(s));
@@ -59,7 +60,8 @@ int steps_sweep_count(const ost_pose *a, const ost_pose *b, const ost_tool_geome
     const wide way_squared = greatest_way_squared(a, b, tool);
     if (!enough(MOST, way_squared, bone_voxel))
         return 0;
-    int short_of = 0, n = MOST; /* In each step of the bisection, n poses are sufficient, and short_of poses are not. */
+    /* In each step of the bisection, n poses are sufficient, and `short_of` poses are not sufficient. */
+    int short_of = 0, n = MOST;
     while (n - short_of > 1) {
         const int middle = (short_of + n) / 2;
         *(enough(middle, way_squared, bone_voxel) ? &n : &short_of) = middle;

@@ -46,8 +46,8 @@ static float ceil_multiple(float x, float m)
 
 /* ---------------------------------------------------------------- import */
 
-/* Computes a sample's voxel by Alg. 2.4, from an index (Alg. 1.1) with the dims of Alg. 2.3. These dims are too
-   small by one if positions are multiples of the voxel size. */
+/* Computes a sample's voxel by Alg. 2.4: converts its index (Alg. 1.1) with the dims of Alg. 2.3. Each of these dims is
+   one too small if positions are multiples of the voxel size. */
 bool dense_thesis_rect(const ost_geometry *g, const ost_sample *sample, int64_t at[3])
 {
     const int32_t n[3] = {g->dims.x, g->dims.y, g->dims.z};
@@ -113,7 +113,7 @@ static bool float_owned(const float a[3], const float b[3], float y, float z, bo
     return dz != 0 ? dz < 0 : dy > 0;
 }
 
-/* Returns x y - z w, rounded after each operation, or with one fused operation. */
+/* Returns x * y - z * w. If `fused` is true, x * y is not rounded before the subtraction. */
 static float cross(float x, float y, float z, float w, bool fused)
 {
     return times_plus(x, y, -(z * w), fused);
