@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lists possible causes of the differences of a class: the deliberate mistakes that caused such differences when
- * sensitivity.h measured the sensitivity of the campaign, and their numbers. These numbers do not show how
- * frequent a kind of mistake is in real backends.
+ * Lists possible causes of the differences of a class. The causes are the deliberate mistakes that caused such
+ * differences when the sensitivity of the campaign was measured (sensitivity.h). Their numbers do not show how frequent
+ * a kind of mistake is in real backends.
  */
 #ifndef OST_VALIDATION_CAUSES_H
 #define OST_VALIDATION_CAUSES_H

@@ -19,8 +19,8 @@ typedef struct grids {
     uint32_t item;
     ost_dims dims;
     int16_t *ref, *got;  /* owned; the densities, or the classes of a tool, of both backends */
-    /* owned; input of the stage: the previous bone (ticks), the cubic grid (chunks, resample) or the rect grid (cubic);
-       may be NULL */
+    /* owned; input of the stage: for a tick, the bone before the tick; for the stages chunks and resample, the cubic
+       grid; for the stage cubic, the rect grid; may be NULL */
     int16_t *before;
     ost_dims before_dims;
     int32_t *source[3];  /* owned; for the cubic grid, the source voxel of each voxel on each axis; otherwise NULL */

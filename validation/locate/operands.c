@@ -127,7 +127,8 @@ static void chunk_operands(const scene *s, const trace *ref, compare_range in_re
 
 typedef struct crossing_sums {
     int32_t winding, total;
-    uint32_t times, owners; /* `times` counts the crossings up to the voxel, `owners` those of the entire row */
+    /* `times` counts the row's crossings up to the voxel; `owners` counts all crossings of the row */
+    uint32_t times, owners;
     int shown;
 } crossing_sums;
 
