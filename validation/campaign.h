@@ -68,7 +68,7 @@ typedef struct campaign_options {
     bool apart;
     void (*show)(void *user, const char *what, double share); /* may be NULL */
     void *user;
-    /* Called for each difference, in the order of the backends and cases of a batch, while the traces of the
+    /* Called for each difference, in order of backend and then of case within a batch, while the traces of the
        reference and of the backend still exist. The difference is in c->results. May be NULL. */
     void (*differs)(void *keeper, const struct campaign *c, int case_index, int subject_index, const trace *got,
                     compare_range in_got);
@@ -112,8 +112,8 @@ void campaign_free(campaign *c);
 /* Returns the number of cores that this process may use. */
 int campaign_cores(void);
 
-/* Returns true if every available backend equals the reference in every case. In addition, at least one of these cases
-   must be a case that the reference did not refuse. */
+/* Returns true if every available backend equals the reference in every case, and the reference did not refuse all of
+   these cases. */
 bool campaign_equal(const campaign *c);
 
 #endif

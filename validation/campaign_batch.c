@@ -62,7 +62,7 @@ bool batch_is_done(const runner *r, const batch *b)
     return done;
 }
 
-/* Locates each difference and calls options->differs for it, in the order of the backends and then of the cases. */
+/* Locates each difference and calls options->differs for it, in order of backend and then of case. */
 static void show_differences(runner *r, const batch *b)
 {
     campaign *c = r->c;

@@ -23,8 +23,8 @@ static ost_status store_digests(runner *r, int i, int subject_index, const trace
     return OST_OK;
 }
 
-/* Stores the running times of the cases in a complete trace, which begins with case `from`. The times are in the
-   second to last record. */
+/* Stores the running times of the cases in a complete trace, which begins with case `from`. The times are in the last
+   record but one. */
 static void store_seconds(const runner *r, int subject_index, const trace *got, int from)
 {
     uint64_t count;

@@ -125,8 +125,8 @@ static bool leaf_before(const trace *t, compare_range range, size_t at, const tr
     return false;
 }
 
-/* Compares the blocks of two records. A block that only one record contains is compared with the latest earlier
-   block at the same position in the other trace. Returns false if there is none. */
+/* Compares the blocks of two records. A block that only one record contains is compared with the latest earlier block
+   at the same position in the other trace. Returns false if there is no such block. */
 static bool compare_blocks(const trace *ref, compare_range in_ref, const trace *got, compare_range in_got, size_t at,
                            compare_difference *out)
 {

@@ -20,7 +20,8 @@ typedef enum compare_kind {
     COMPARE_WORD,    /* the voxels are equal, but words of the reports differ */
     /* The types of the records differ, or one trace has an additional record or an additional block. */
     COMPARE_SHAPE,
-    COMPARE_MISSING  /* the other trace ends before this record of the reference, or a stage failed in its place */
+    /* the other trace ends before this record of the reference, or has a failed stage in place of this record */
+    COMPARE_MISSING
 } compare_kind;
 
 typedef struct compare_difference {

@@ -62,7 +62,7 @@ typedef struct margins {
 ost_status margins_of(const scene *s, const trace *ref, compare_range in_ref, const trace *got, compare_range in_got,
                       bool apart, margins *out, ost_error *err);
 
-/* Adds the counts of b to those of a. Sets the maximum of a to the greater of both maxima. */
+/* Adds the counts of b to those of a. Sets the maximum of a to the greater of the two maxima. */
 void margins_add(margins *a, const margins *b);
 
 /* Returns [{"stage", "voxels", ..., "max", "bins"}], without the stages in which neither a voxel nor a report differs.

@@ -14,10 +14,11 @@
 typedef struct moved {
     size_t voxel;
     int32_t got;
-    /* least distance by which every sample with a value other than `got` can leave the voxel; -1 if the voxel has no
-       such sample */
+    /* least distance by which samples must move so that no sample with a value other than `got` remains in the voxel;
+       -1 if it has no such sample */
     int64_t leave;
-    /* least distance by which a sample with the value `got` can enter the voxel; -1 if there is no such sample */
+    /* least distance by which a sample with the value `got` must move to enter the voxel; -1 if there is no such
+       sample */
     int64_t enter;
 } moved;
 

@@ -118,7 +118,8 @@ static vector vertex_of(const ost_snapped_mesh *mesh, uint32_t v)
                     2 * (int64_t)mesh->vertices[v][2]};
 }
 
-/* Returns a lower bound of the distance along one axis from p to a triangle with the coordinates a, b, c. */
+/* Returns a lower bound on the distance from p to a triangle, along one axis. a, b and c are the corners' coordinates
+   on this axis. */
 static int64_t beyond(int64_t p, int64_t a, int64_t b, int64_t c)
 {
     const int64_t lo = a < b ? (a < c ? a : c) : b < c ? b : c, hi = a > b ? (a > c ? a : c) : b > c ? b : c;

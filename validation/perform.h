@@ -9,8 +9,8 @@
  * A stage that fails writes TRACE_FAILED with its status and ends the case. The status is recorded because
  * two backends must refuse the same inputs with the same status.
  *
- * The function perform_apart does not propagate a difference to later stages: it records the result of each
- * stage and replaces it by the reference's result before the next stage.
+ * The function perform_apart does not propagate a difference to later stages: it records the result of each stage and
+ * replaces it with the reference's result before the next stage.
  *
  *   given rect --rect_to_cubic--> cubic   given cubic --cubic_to_chunks--> bone
  *   given tool, the reference's bone before the tick --ost_world_step--> report, changed leaves

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Computes results that are not recorded, to detect state that a backend retains by mistake: earlier work
- * of a process must not change the results of a case. Before the import, some of the case's samples are
- * scattered into a grid with a different lattice, and a grid is converted to chunks of a different size.
- * Before the ticks each tool collides with a bone whose voxels have a different size. If a backend retains
- * state of this work, the records of the case change.
+ * Detects state that a backend retains by mistake: earlier work of a process must not change the results
+ * of a case. The functions below do such earlier work and do not record its results. Before the import,
+ * some of the case's samples are scattered into a grid with a different lattice, and a grid is converted
+ * to chunks of a different size. Before the ticks, each tool collides with a bone whose voxels have a
+ * different size. If a backend retains state from this work, the records of the case change.
  */
 #include "validation/perform_parts.h"
 

@@ -53,7 +53,7 @@ static ost_status record_cubic(performer *p, trace_stage stage, const ost_grid *
     return status != OST_OK ? status : written;
 }
 
-/* Returns true if a sample was rejected or conflicts with another sample. The import ends then. */
+/* Returns true if a sample was rejected or conflicts with another sample. In this case, the import ends. */
 static bool refused(const ost_scatter_report *r)
 {
     return r->rejected_line != 0 || r->conflict_line != 0;

@@ -54,7 +54,7 @@ typedef struct performer {
     int16_t *right;     /* the reference's bone, for perform_apart */
 } performer;
 
-/* Returns true if the case has ticks but no bone. Only the steps of the ticks are computed then. */
+/* Returns true if the case has ticks but no bone. For such a case, only the steps of the ticks are computed. */
 static inline bool perform_is_of_steps(const scene *s)
 {
     return !s->sample_count && s->path.count;

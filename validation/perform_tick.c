@@ -105,8 +105,8 @@ static void record_changed(performer *p, int32_t z0, int32_t z1)
             }
 }
 
-/* Computes the poses and maps of an event on the backend, only for the record. The sweep begins at *from and ends at
-   the pose of the tick. The event itself runs with the host's poses and maps, which must equal those of the backend. */
+/* Computes the poses and maps of an event on the backend, so that they are recorded and compared. The sweep begins at
+   *from and ends at the pose of the tick. The event itself runs with the poses and maps that the host computed. */
 static ost_status steps_by_backend(performer *p, const ost_tick *tick, int handed, const ost_pose *from, int *count,
                                    bool *made, ost_error *err)
 {

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-/* Replaces the snapped meshes of src/core by those of the backend if the backend snaps meshes itself. */
+/* If the backend snaps meshes itself, replaces the snapped meshes of src/core with those of the backend. */
 static ost_status snap_by_backend(performer *p, const scene_tool *t, ost_snapped_mesh meshes[2], bool *own, bool *made,
                                   ost_error *err)
 {

@@ -58,7 +58,7 @@ typedef struct plan_user {
 enum { PLAN_ID = 32 };
 typedef struct plan_case {
     plan_family family;
-    int number;       /* number of the case in its family, from 0; in PLAN_USER, from 1 */
+    int number;       /* number of the case in its family, counted from 0, or from 1 in PLAN_USER */
     plan_tier tier;   /* tier of the campaign; higher tiers have larger cases */
     uint64_t seed;
     char id[PLAN_ID]; /* "session/3" */

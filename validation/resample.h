@@ -58,8 +58,8 @@ static inline ost_pm resample_again(ost_pm cubic)
     return cubic * 7 / 5;
 }
 
-/* Finds one of the eight rect voxels around a cubic voxel's centre. Along axis a, its index is tap[a].index or, if
-   bit a of `corner` is set, the next index. Returns the voxel's weight in units of 2^-45. */
+/* Finds one of the eight rect voxels around a cubic voxel's centre. Along axis a, the rect voxel's index is
+   tap[a].index or, if bit a of `corner` is set, the next index. Returns the voxel's weight in units of 2^-45. */
 static inline int64_t resample_corner(const resample_tap tap[3], int corner, int64_t at[3])
 {
     int64_t weight = 1;

@@ -16,7 +16,8 @@
 
 #define UM (OST_PM_PER_MM / 1000)
 
-/* Draws the spacing of a CT: equal or different on the three axes, as round decimals or as any number of picometres. */
+/* Draws the spacing of a CT. The spacing is equal or different on the three axes, and is a round decimal or any number
+   of picometres. */
 static void draw_lattice(scene *s, draw *d)
 {
     static const ost_pm usual[] = {470 * UM, 1000 * UM, 488281250, 300 * UM, 32 * UM, 625 * UM};
@@ -53,9 +54,11 @@ static ost_status make_import(const plan_case *c, scene *s, draw *d, ost_error *
     draw_lattice(s, d);
     ost_dims dims = draw_dims(d, 1, most);
     if (c->number == 7) {
-        /* Only y is interpolated, and spacings are odd numbers of picometres. The distance of a sample from its
-           lattice point grows from sample to sample. In ppm of the spacing, it takes odd and even values. Along
-           each axis, the bone has 31 or 32 voxels, so it fits in one leaf. */
+        /*
+         * Only y is interpolated, and spacings are odd numbers of picometres. The distance of a sample from its lattice
+         * point grows from sample to sample. In ppm of the spacing, this distance takes odd and even values. Along each
+         * axis, the bone has 31 or 32 voxels, so it fits in one leaf.
+         */
         const ost_pm odd = 1000 * UM + 1;
         s->rect.spacing = (ost_pm3){odd, 1300 * UM + 7, odd};
         s->cubic = odd;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes a case for backends that exclude a cube of 8^3 bone voxels if the tool is too far from the cube's
- * middle. Each tool has one voxel. At the tool's pose, the centre of one corner voxel of the cube [8, 16)^3 lies
- * in the tool. Along the cube's diagonal, it is about a hundredth of a tool voxel below the tool's surface:
+ * Makes a case for backends that exclude a cube of 8^3 bone voxels if the tool is too far from the cube's middle. Each
+ * tool has one voxel. At the tool's pose, the centre of one corner voxel of the cube [8, 16)^3 lies in the tool. Along
+ * the cube's diagonal, this centre is about a hundredth of a tool voxel below the tool's surface:
  *
  *   middle of the cube ---- R, 3.5 sqrt(3) bone voxels ----> centre of the corner's voxel
  *                      ---- r = sqrt(34), ... tool voxels -> the tool

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes random CTs as samples. The bone has the shape of solids, shells or speckle, and critical densities: the
- * threshold and its neighbours, the borders of classes, the ends of int16. A sample lies up to an eighth of
- * a voxel away from its lattice point. Some voxels have two samples.
+ * Makes random CTs as samples. The bone consists of solids, shells or speckle. Its densities include critical values:
+ * the threshold and its neighbours, the borders of classes, and the ends of the range of int16. A sample lies up to an
+ * eighth of a voxel away from its lattice point. Some voxels have two samples.
  */
 #include "validation/scene_parts.h"
 

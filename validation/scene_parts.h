@@ -64,7 +64,7 @@ typedef enum scene_shape {
     SHAPE_HOLLOW,   /* a solid with a cavity, which is a second solid whose faces are turned inside out */
     SHAPE_OPEN,     /* a solid without some of its triangles, so that the mesh is open */
     SHAPE_SOUP,     /* triangles that enclose nothing */
-    SHAPE_SLIVERS,  /* thin and tiny triangles; snapping leaves many of them without area */
+    SHAPE_SLIVERS,  /* thin and tiny triangles; snapping reduces many of them to an area of 0 */
     SHAPE_COUNT
 } scene_shape;
 
@@ -74,9 +74,9 @@ ost_status scene_add_tool(scene *s, draw *d, scene_shape shape, ost_pm size, ost
                           ost_fill_rule rule, ost_error *err);
 
 /*
- * Adds a tool of 58^3 voxels that is solid up to the border of its grid. A grid computed from a mesh has an
- * empty margin instead. The tool is a box with solids in it. The sloped edges of the solids pass exactly
- * through the centres of rows, and the products in their edge functions exceed 2^24.
+ * Adds a tool of 58^3 voxels that is solid up to the border of its grid. A grid computed from a mesh has an empty
+ * margin instead. The tool is a box with solids in it. The sloped edges of the solids pass exactly through the centres
+ * of rows, and most products in their edge functions exceed 2^24.
  */
 ost_status scene_add_full_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 
@@ -87,7 +87,7 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err);
 /* Returns `count` density classes, 1 to 8, whose lowest densities are 1, 1 + step, 1 + 2 step, ... */
 ost_density_classes scene_classes(int count, int step);
 
-/* Sets sweep_off, and makes `count` unrelated poses at which a tool overlaps the bone. */
+/* Sets sweep_off, and makes a path of `count` unrelated poses. At each pose, a tool overlaps the bone. */
 ost_status scene_unrelated_poses(scene *s, draw *d, size_t count, ost_error *err);
 /* Adds `count` ticks at which the last tool is near the middle of the bone. */
 ost_status scene_add_poses_inside(scene *s, draw *d, size_t count, ost_error *err);

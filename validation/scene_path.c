@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes ticks at which tools are in the bone. A pose is chosen at random in double precision and
- * then quantised like a device's pose (AR-POSE), so that all backends get the same integers.
+ * Makes ticks in which tools overlap the bone. A pose is chosen at random in double precision and then
+ * quantised as a device's pose is (AR-POSE), so that all backends get the same integers.
  */
 #include "validation/scene_parts.h"
 

@@ -15,8 +15,8 @@
 static const uint32_t box_faces[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
                                           {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
-/* Makes `count` solids in random orientations. If inside_out is true, the faces of every second solid are turned
-   inside out. If `same` is true, all solids are equal. */
+/* Makes `count` solids in random orientations. If inside_out is true, the faces of every second solid are turned inside
+   out. If `same` is true, all solids are identical. */
 static ost_status boxes(draw *d, ost_pm size, int count, bool same, bool inside_out, ost_mesh *out, ost_error *err)
 {
     ost_status status = ost_mesh_init(out, 8 * (size_t)count, 12 * (size_t)count, err);
@@ -186,10 +186,12 @@ ost_status scene_add_fine_tool(scene *s, draw *d, ost_pm voxel, ost_error *err)
 /* ----------------------------------------------- a tool that fills its grid */
 
 /*
- * The edge from a to b of a small solid passes through the centre C of a row. The odd integers p, q, m and n
- * are chosen so that no product in the edge function can be represented as a float:
+ * The edge from a to b of a small solid passes through the centre C of a row:
  *
- *   a = C - n (p, q),  b = a + m (p, q);  (m q) (n p) is odd and beyond 2^24
+ *   a = C - n (p, q),  b = a + m (p, q),  with random odd integers p, q, m and n
+ *
+ * Both products in the edge function are then m n p q, an odd integer. In most solids its magnitude exceeds 2^24, so
+ * that a float cannot represent it.
  *
  * Coordinates are in units of the snapped mesh, 2^10 per voxel.
  */

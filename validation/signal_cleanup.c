@@ -60,7 +60,7 @@ void signal_cleanup_worker_gone(pid_t pid)
     }
 }
 
-/* Removes the contents of an open folder. Reads the entries by a system call, because readdir may allocate memory,
+/* Removes the contents of an open folder. Reads the entries with a system call, because readdir may allocate memory,
    which is not allowed in a signal handler. */
 static void empty_folder(int folder, int depth)
 {

@@ -95,7 +95,7 @@ static ost_status leaf_digest(const int16_t *voxels, ost_dims d, int32_t x0, int
     return ost_digest_bytes(bytes, sizeof bytes, out, err);
 }
 
-/* Replaces *left by the digest of the node above *left and *right (AR-DIG-3). */
+/* Replaces *left with the digest of the node above *left and *right (AR-DIG-3). */
 static ost_status join(ost_digest *left, const ost_digest *right, ost_error *err)
 {
     uint8_t bytes[1 + 2 * OST_DIGEST_BYTES] = {1};

@@ -50,7 +50,7 @@ ost_status steps_put_snap(trace_writer *w, bool second, const ost_snapped_mesh *
     if (status == OST_OK)
         status = put_mesh(w, second, &parts[1], err);
     for (size_t v = 0; v < parts[0].vertex_count && v < SNAP_VERTICES && status == OST_OK; v++) {
-        const int32_t *p = parts[0].vertices[v]; /* coordinates are at most 2^20, so they fit an int32 */
+        const int32_t *p = parts[0].vertices[v]; /* coordinates are at most 2^20, so they fit in an int32 */
         put_int(w, p[0] | (int64_t)p[1] << 21 | (int64_t)p[2] << 42);
     }
     return status;

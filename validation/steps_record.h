@@ -50,7 +50,7 @@ void steps_put_tick(trace_writer *w, bool refused, bool removal, int count, cons
 void steps_put_pose(trace_writer *w, const steps_pose *p);
 
 void steps_word_name(trace_stage stage, size_t word, char text[TRACE_WORD]);
-/* Returns true if the word with this index is the member `reaches` of a pose or belongs to the pose's box. */
+/* Returns true if the word with this index is a bound. The bounds are the member `reaches` and the box of each pose. */
 bool steps_word_is_bound(size_t word);
 bool steps_word_holds(size_t word, const uint8_t *is, const uint8_t *least);
 

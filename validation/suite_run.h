@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Runs the tests that the requirements name, for osteon validate --with-suite.
+ * Runs the tests that are listed in requirements.csv, for osteon validate --with-suite.
  *
  *   FOLDER/tests/run-test PATH --exit status, output--> suite.json (bundle/suite.h)
  *

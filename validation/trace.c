@@ -150,7 +150,8 @@ ost_status trace_create(const char *path, trace_writer **out, ost_error *err)
         const int error = errno;
         free(w->path);
         free(w);
-        /* OST_ERR_IO makes a worker end with WORKER_EXIT_RESOURCES, so an unusable path gets a different status. */
+        /* After OST_ERR_IO, a worker ends with WORKER_EXIT_RESOURCES, which means that the machine lacks resources. An
+           unusable path is not such a case, so it gets a different status. */
         const bool unusable = error == ENOENT || error == ENOTDIR || error == EISDIR || error == EACCES;
         return ost_fail(err, unusable ? OST_ERR_INPUT : OST_ERR_IO, "%s: cannot write: %s", path, strerror(error));
     }

@@ -21,7 +21,7 @@ typedef struct user_store user_store;
 /* ---------------------------------------------------------- writing a store */
 
 ost_status user_store_begin(user_store **out, ost_error *err);
-/* Adds samples of the next case, in the order in which they are scattered. Sets the line number of each sample. */
+/* Appends samples to the next case. Backends scatter the samples in this order. Sets the line number of each sample. */
 ost_status user_case_samples(user_store *u, const ost_sample *samples, size_t count, size_t batch, ost_error *err);
 /*
  * Adds all data of the case except its samples. The members `samples`, `sample_count` and `batch` of `head` are

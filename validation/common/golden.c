@@ -24,8 +24,8 @@ static void record_list(lab *l, const char *name, const char *requirements, cons
                list(got, count, b));
 }
 
-/* Scatters the samples of a 2 x 2 x 2 grid in reverse order, one of them twice. The grid has the spacing 1, 1, 2 mm
-   and the origin (10, 20, 30). */
+/* Scatters the samples of a 2 x 2 x 2 grid in reverse order, one of them twice. The grid has a spacing of (1, 1, 2) mm
+   and its origin at (10, 20, 30) mm. */
 static void scatter(lab *l)
 {
     static const int16_t expected[8] = {101, 102, 103, 104, 105, 106, 107, 108};

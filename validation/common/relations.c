@@ -88,8 +88,7 @@ static void one_by_one(lab *l, draw *d, scene *s)
         lab_remove(l, &s->g, 32, s->b, s->tool, &s->poses[k], 1, NULL);
 }
 
-/* Moves the bone and the tool by the same vector in picometres. The removed voxels must have the same indices as
-   without the motion. */
+/* Moves the bone and the tool by the same vector in picometres. The indices of the removed voxels must not change. */
 static void moved(lab *l, draw *d, scene *s)
 {
     const ost_pm3 by = draw_point(d, -LAB_MM * 99, LAB_MM * 99);

@@ -212,7 +212,8 @@ void pictures_of_difference(void *keeper, const campaign *c, int case_index, int
     if (k->err.status != OST_OK || subject_index >= PICTURES_BACKENDS ||
         k->drawn[subject_index] >= PICTURES_A_BACKEND || d->records < 1)
         return;
-    /* The first difference may be in a report. Until a voxel differs, both bones equal the reference's bone. */
+    /* The first difference may be in a report, so the loop searches for the first record in which a voxel differs.
+       Before this record, both bones equal the reference's bone. */
     const compare_range in_ref = c->ranges[case_index];
     triplet t;
     bool differ = false;

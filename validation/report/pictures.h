@@ -30,8 +30,8 @@ enum {
 
 typedef enum picture_role { PICTURE_REFERENCE, PICTURE_GOT, PICTURE_DIFFERENCE, PICTURE_ROLES } picture_role;
 
-/* Writes a picture's name, such as "pictures/mesh-3-backend-2-got.png". `backend` is the index of the backend in
-   the protocol. */
+/* Writes a picture's name, such as "pictures/mesh-3-backend-2-got.png". `backend` is the index in the protocol's list
+   of backends. */
 void picture_name(char name[PICTURE_NAME], const char *case_id, size_t backend, picture_role role);
 
 /* Makes the pictures of the operation. Does nothing if libpng is missing or the open batch has no case of the
