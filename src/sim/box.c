@@ -164,11 +164,11 @@ static int32_t clamp(int64_t value, int32_t hi)
  * axis separately and preserves the order. The bounds are computed from the centre and the rotated extents: the
  * extent along bone axis i is sum_j |M[i][j]| e[j] / N, rounded up.
  *
- * Alg. 2.9 then converts the bounds to voxels.  In Alg. 2.9 the origin is the centre
- * of the bone's box; here it is the origin of the bone's frame.  The error of c is at
- * most 1/2.  Therefore, if a voxel centre o + k s satisfies
- * c - h <= 2 (o + k s) <= c + h,  then
- * ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
+ * Alg. 2.9 then converts the bounds to voxels. In Alg. 2.9 the origin is the centre of the bone's box; here it is the
+ * origin of the bone's frame. On each axis, c and h are twice the centre and twice the half extent of the bounds. The
+ * error of c is at most 1/2. Therefore, if a voxel centre o + k s satisfies
+ *   c - h <= 2 (o + k s) <= c + h,  then
+ *   ceil((c - h - 1 - 2o) / 2s) <= k <= floor((c + h + 1 - 2o) / 2s).
  */
 ost_voxel_box ost_box_voxels(const ost_geometry *bone, const ost_box *tool, const ost_pose *pose)
 {
