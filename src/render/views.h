@@ -39,8 +39,8 @@ typedef enum ost_view_name {
 
 /* The objects in view. All positions are in the bone's frame, in millimetres. */
 typedef struct ost_view_subject {
-    /* middle: middle of the bone's grid; size: its longest side. After ost_view_subject_fit, both refer to the bone
-     * itself */
+    /* middle: middle of the bone's grid; size: longest side of this grid. After ost_view_subject_fit, both refer to the
+       bone itself */
     double middle[3], size;
     bool has_face;           /* true if `face` and `inward` are valid */
     /* face: centre of the glenoid; inward: unit vector from there into the bone */
