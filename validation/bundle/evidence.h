@@ -68,10 +68,10 @@ const char *evidence_text(const json_t *o, const char *key);
 const json_t *evidence_part(const json_t *file, const char *key, size_t number);
 
 /*
- * Returns the options that a command needs for the user's own cases, such as " --ct FILE --tool FILE
- * --cubic=0.5". The word FILE replaces the names of the files, which are not recorded. If `how` is true, the
- * text includes the options by which osteon validate reads the files. Returns "" if there are no such
- * cases, NULL if memory is exhausted. The caller frees the text with free().
+ * Returns the options that a command needs for the user's own cases, such as " --ct FILE --tool FILE --cubic=0.5". The
+ * word FILE replaces the names of the files, which are not recorded. If `how` is true, the text includes the options
+ * that determine how osteon validate reads the files. Returns "" if there are no such cases, NULL if memory is
+ * exhausted. The caller frees the text with free().
  */
 char *evidence_own_options(const json_t *protocol, bool how);
 

@@ -206,8 +206,8 @@ static json_int_t other_records(const json_t *results)
     return n;
 }
 
-/* Returns the conclusion. Equal digests show that the inputs are equal. The reference's results may then differ only if
-   the version of the arithmetic differs. */
+/* Returns the conclusion. Only cases with equal inputs are compared, so the reference's results may differ only if the
+   version of the arithmetic differs. */
 static const char *conclusion_of(const json_t *results, const json_t *verdicts, bool same_arithmetic, bool *explained)
 {
     const json_int_t different = json_integer_value(json_object_get(results, "different_cases"));

@@ -227,7 +227,7 @@ static void compare_rows(const json_t *stated, const json_t *is, bundle_problem 
     json_decref(there);
 }
 
-/* Returns an error text without the name of the manifest and the line, because bundle_problem reports the name. */
+/* Returns an error text without the manifest's name and the line number, because bundle_problem reports the name. */
 static const char *problem_text(const char *text)
 {
     const char *end = strstr(text, ": ");
