@@ -32,7 +32,7 @@ typedef enum case_verdict {
     CASE_EQUAL,
     CASE_DIFFERS,
     CASE_FAILED,  /* a stage failed on this backend but not on the reference; `text` contains the error line */
-    CASE_CRASHED, /* a signal other than SIGKILL ended the worker; SIGKILL ends the entire campaign */
+    CASE_CRASHED, /* a signal other than SIGKILL ended the worker; SIGKILL from outside makes the campaign fail */
     CASE_LATE,
     CASE_NOT_RUN, /* the machine or the build does not have this backend */
     CASE_VERDICTS

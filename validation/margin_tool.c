@@ -99,8 +99,8 @@ static uint64_t square_root(unsigned __int128 x)
     return (uint64_t)root;
 }
 
-/* Returns floor(2^20 sqrt(f) / 2^bits). First computes q = floor(top / bottom). The loop then appends 2 (20 - bits)
-   binary fraction digits of top / bottom to q, one at a time. The result is the square root of q. */
+/* Returns floor(2^20 sqrt(f) / 2^bits). q begins as the integer part of f. The loop appends 2 (20 - bits) binary
+   fraction digits of f to q, one at a time. The result is the integer part of the square root of q. */
 static uint64_t in_voxels(fraction f, int bits)
 {
     unsigned __int128 q = f.top / f.bottom, r = f.top % f.bottom;

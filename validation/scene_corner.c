@@ -7,10 +7,10 @@
  *   middle of the cube ---- R, 3.5 sqrt(3) bone voxels ----> centre of the corner's voxel
  *                      ---- r = sqrt(34), ... tool voxels -> the tool
  *
- * R is between r and the next eighth of a tool voxel, so a backend that rounds the distance up to eighths would
- * exclude the cube. The distance from the tool to the cell of 2^3 tool voxels that contains the cube's middle is
- * also r, because the middle is near a multiple of two tool voxels. tests/validation/test_scene checks these
- * properties of the numbers below.
+ * R is between r and the next eighth of a tool voxel, so a backend that rounds r up to a multiple of 1/8 would exclude
+ * the cube. The distance from the tool to the cell of 2^3 tool voxels that contains the cube's middle is also r,
+ * because the middle is near a multiple of two tool voxels. tests/validation/test_scene checks these properties of the
+ * numbers below.
  */
 #include "validation/scene_parts.h"
 

@@ -60,8 +60,8 @@ static void ball_mesh(lab *l, double radius_mm, int around, int rings, ost_mesh 
  *
  * If a voxel's centre is more than half a voxel diagonal below the surface, the voxel lies completely inside the ball.
  * If its centre is more than half a diagonal above the surface, the voxel lies completely outside. The volume of the
- * voxels is therefore between the volumes of two balls, whose radii are smaller and larger by half a diagonal. The
- * smaller radius also takes the mesh's sagitta into account.
+ * voxels is therefore between the volumes of two balls, whose radii are half a diagonal smaller and half a diagonal
+ * larger than 10 mm. The smaller radius is also reduced by the mesh's sagitta.
  */
 static void ball(lab *l)
 {
