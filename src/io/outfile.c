@@ -109,8 +109,8 @@ static void proc_path(int fd, char text[NAME_BYTES])
 }
 
 /*
- * Opens an unnamed file and returns its descriptor, or -1 on failure. To name the file later, /proc is needed; the
- * function therefore checks that /proc leads to the file.
+ * Opens an unnamed file and returns its descriptor, or -1 on failure. The file is later named through /proc, so the
+ * function checks that /proc leads to the file.
  */
 static int open_unnamed(const ost_outfile *file)
 {

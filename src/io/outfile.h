@@ -67,9 +67,8 @@ bool ost_outfile_is_stdout(const char *path);
 const char *ost_outfile_path(const ost_outfile *file);
 
 /*
- * Returns the file's descriptor. Another program can write the file through /dev/fd/N, a path that contains no file
- * name that another user could replace. The outfile still owns the descriptor, and the caller must not write to the
- * outfile itself.
+ * Returns the file's descriptor. Another program can write the file through /dev/fd/N; no other user can replace a part
+ * of this path. The outfile still owns the descriptor, and the caller must not write to the outfile itself.
  */
 int ost_outfile_descriptor(const ost_outfile *file);
 

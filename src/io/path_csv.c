@@ -304,7 +304,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Computes the median of the function `of` over all pairs of adjacent ticks. There must be at least one pair. */
+/* Computes the median distance, of(a, b), of all pairs of adjacent ticks. There must be at least one pair. */
 static ost_status median_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 *out,
                             ost_error *err)
 {
@@ -329,8 +329,8 @@ static ost_i128 interval(const ost_tick *a, const ost_tick *b)
 
 /*
  * Computes the limit for gaps: two adjacent ticks a and b have a gap if of(a, b), their distance, is above the limit.
- * The parameter `given` states the limit unless it is 0. Otherwise, the limit is the maximum of `least` and `factor`
- * times the median distance. If no distance exceeds `least`, there are no gaps, and the median is not computed.
+ * If `given` is not 0, the limit is `given`. Otherwise, it is the maximum of `least` and factor * median distance; the
+ * median is computed only if a distance exceeds `least`.
  */
 static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, const ost_tick *), ost_i128 given,
                            ost_i128 least, int factor, ost_i128 *out, ost_error *err)
@@ -349,7 +349,7 @@ static ost_status limit_of(const reader *r, ost_i128 (*of)(const ost_tick *, con
 
 /*
  * Marks a tick as lifted if it is too far from the previous tick in time or space, and counts the lifted ticks
- * (AR-PATH-5). A median is below 2^93, so its product with TIMES_MEDIAN^2 fits ost_i128.
+ * (AR-PATH-5). A median is below 2^93, so its product with TIMES_MEDIAN^2 fits in an ost_i128.
  */
 static ost_status mark_gaps(reader *r, const ost_path_options *options, ost_error *err)
 {

@@ -21,8 +21,8 @@
 #include "io/volume/input.h"
 
 /*
- * Reads one line, including its newline if there is one. At the end of the file, *size is 0. All lines fitted when the
- * header was checked, so a line that does not fit means that the file has changed since then.
+ * Reads one line, including its newline if there is one. At the end of the file, *size is 0. When the header was
+ * checked, all lines fitted in the buffer. If a line does not fit now, the file has changed.
  */
 static ost_status next_line(ost_input *input, char *line, size_t capacity, size_t *size, ost_error *err)
 {

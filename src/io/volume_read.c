@@ -20,8 +20,8 @@
 #include "io/volume_read.h"
 
 /*
- * Returns the path of the file to read. This is `path`, except for the image file x.img of a NIfTI pair: then the path
- * of the header x.hdr is written to `out` and returned.
+ * Returns the path of the file to read. For the image file x.img of a NIfTI pair, this is the path of the header x.hdr,
+ * which is written to `out`. For all other files, it is `path`.
  */
 static const char *header_of(const char *path, char *out, size_t capacity)
 {

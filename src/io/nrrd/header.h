@@ -10,8 +10,8 @@
  *
  * Fields are accepted in any order, although the format requires `dimension` first.
  * The header is read in two steps: header.c splits the text into fields, and
- * meaning.c interprets the fields. A field that the format does not define, or one
- * given twice, is an error, because it is more likely a mistake than an extension.
+ * meaning.c interprets the fields. Unknown fields and repeated fields are errors, because they are more likely mistakes
+ * than extensions.
  */
 #ifndef OST_IO_NRRD_HEADER_H
 #define OST_IO_NRRD_HEADER_H
@@ -26,8 +26,8 @@
 #include "io/volume/input.h"
 
 /*
- * X(identifier, spellings separated by |) for each field that the reader uses; IGNORED lists the fields that it
- * ignores.
+ * Applies X(identifier, spellings separated by |) to each field that the reader uses. IGNORED lists the fields that the
+ * reader ignores.
  */
 #define OST_NRRD_FIELDS(X)                         \
     X(DIMENSION, "dimension")                      \

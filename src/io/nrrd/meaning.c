@@ -271,7 +271,7 @@ static bool read_vector(const char **p, const uint64_t unit[3], ost_pm out[3])
     return true;
 }
 
-/* Types of space. The type determines the signs by which coordinates are converted to LPS. */
+/* Kinds of space. The kind determines which coordinates change sign in the conversion to LPS. */
 typedef enum space_kind { SPACE_UNSPECIFIED, SPACE_LPS, SPACE_RAS, SPACE_LAS, SPACE_TIME } space_kind;
 
 static const name_value spaces[] = {

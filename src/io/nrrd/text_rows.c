@@ -137,7 +137,7 @@ ost_status ost_nrrd_text_rows_next(ost_rows *rows, int64_t first, int16_t *out, 
             return status;
         own->left--;
     }
-    /* The last part must be ended here, because ost_parts_end would refuse the blanks that may follow the last
-     * value. */
+    /* Blanks may follow the last value of the last part. They must be skipped here, because ost_parts_end would refuse
+     * them. */
     return own->left == 0 ? end_part(own, err) : OST_OK;
 }

@@ -11,7 +11,7 @@
 
 typedef struct ost_nrrd_text_rows {
     ost_rows rows; /* must be the first member, because `next` casts an ost_rows * to this struct */
-    /* number of values in each part, and number of values of the open part that are still to be read */
+    /* in_part: number of values in each part; left: number of unread values in the open part */
     uint64_t in_part, left;
 } ost_nrrd_text_rows;
 

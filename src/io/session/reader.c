@@ -118,7 +118,7 @@ static ost_status take_block(scan *c, const session_block *block, ost_error *err
         s->header_copies++;
         return OST_OK;
     }
-    /* Records that the recorder lost were never numbered, so they cause no gap in the numbers. */
+    /* The recorder does not number the records that it loses, so they cause no gap in the numbers. */
     if (block->first_record > c->next_record)
         s->summary.missing_records += block->first_record - c->next_record;
     c->next_record = block->first_record + block->records;

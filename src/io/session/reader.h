@@ -20,8 +20,8 @@ struct ost_session {
     session_block_place *blocks; /* owned; the valid blocks that contain records */
     size_t block_count, block_capacity;
     unsigned char *payload;     /* owned; payload of the block that was read last */
-    /* The next call of ost_session_next returns record number `record` of the `records` in `payload`, or loads block
-     * `next_block` if there are no more. */
+    /* The next call of ost_session_next returns the record with the index `record` in `payload`. After the last of the
+       `records` records in `payload`, the call loads block `next_block`. */
     size_t next_block;
     uint32_t record, records;
 };

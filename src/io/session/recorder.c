@@ -5,8 +5,8 @@
  *   put --> ring --every 25 ms: all waiting records, as blocks--> file --sync-->
  *
  * The writer thread wakes up periodically, because waking it from `put` would require a system call within the tick.
- * Unless the disk is slow, a wait, a write and a sync together take less than 100 ms, so a power cut loses at most the
- * records of 100 ms. If the process is killed, at most the records of 25 ms are lost.
+ * Unless the disk is slow, a wait, a write and a sync together take less than 100 ms, so a power cut loses at most 100
+ * ms of records. If the process is killed, at most 25 ms of records are lost.
  *
  * A failed write is undone by truncating the file to its last complete block, and retried every 250 ms. Meanwhile, the
  * ring accepts further records. Records that do not fit are counted, and blocks contain this count. If space on a full

@@ -102,7 +102,7 @@ static int by_text(const void *a, const void *b)
     return strcmp(*(char *const *)a, *(char *const *)b);
 }
 
-/* Lists the files that a path denotes, in the bytewise order of their names. */
+/* Lists the files that a path denotes, sorted by the bytes of their names. */
 static ost_status list_path(const char *path, ost_stack_names *out, ost_error *err)
 {
     struct stat info;
@@ -173,8 +173,7 @@ static likeness compare(const char *a, const char *b, int *at)
     return found;
 }
 
-/* Returns the value of number `at` of a name, counted from 0. Returns -1 if the number has more than DIGITS_MAX
-   digits. */
+/* Returns the value of the number with the index `at` in a name. Returns -1 if it has more than DIGITS_MAX digits. */
 static int64_t number_of(const char *name, int at)
 {
     for (int number = 0; *name; name++) {

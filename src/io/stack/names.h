@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lists the files of a stack in the order of their slices (AR-FILE-9).
+ * Lists the files of a stack in slice order (AR-FILE-9).
  *
  *   FOLDER         all regular files in the folder, except hidden files; subfolders are ignored
  *   FOLDER/a*.tif  the files whose names match the shell pattern in the last part of the path

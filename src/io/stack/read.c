@@ -132,7 +132,7 @@ static ost_status read_voxels(const stack *s, const ost_volume_options *options,
                               const ost_placement *placement, const ost_geometry *geometry, const ost_target *target,
                               ost_volume_report *report, ost_error *err)
 {
-    ost_parts none = {.count = 0}; /* empty, because libtiff and libpng read the files instead of ost_parts */
+    ost_parts none = {.count = 0}; /* empty, because libtiff and libpng read the files */
     stack_rows r = {.rows = {.next = next_row,
                              .path = s->path,
                              .parts = &none,

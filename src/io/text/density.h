@@ -51,8 +51,8 @@ static inline bool ost_text_density(uint64_t w, int64_t length, int16_t *density
     if (((t + UINT64_C(0x0606060606060606)) | t) & UINT64_C(0xf0f0f0f0f0f0f0f0))
         return false;
     /*
-     * Combines digits into pairs, pairs into groups of four, and the two groups into one number. Each product has
-     * its results in the upper halves of the lanes.
+     * Combines digits into pairs, pairs into groups of four, and the two groups into one number. Each multiplication
+     * leaves its results in the upper halves of the lanes.
      */
     t = (t * 2561) >> 8 & UINT64_C(0x00ff00ff00ff00ff);
     t = (t * 6553601) >> 16 & UINT64_C(0x0000ffff0000ffff);

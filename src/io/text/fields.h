@@ -64,8 +64,8 @@ const char *ost_text_quote(const char *field, const char *end, char quote[OST_TE
 /* Returns true if the text contains bytes that do not occur in a text of numbers. */
 bool ost_text_is_binary(const char *p, const char *end);
 /*
- * Returns true if the fields of the line are words: at least one field contains a letter, and no field is empty, a
- * decimal, nan or inf.
+ * Returns true if the fields of the line are words, that is, if at least one field contains a letter, and no field is
+ * empty, a decimal, nan or inf.
  */
 bool ost_text_is_header(const char *p, const char *end);
 

@@ -9,7 +9,7 @@
  *      like layers of 1 mm of which some are absent.  Such a g is accepted only if all
  *      gaps are equal.
  *   2. Otherwise, coordinates are rounded: a gap of at most u may be one layer written in
- *      two ways, so g is now the smallest gap above u, and s is in [g - u, g + u].  Because
+ *      two ways, so let g now be the smallest gap above u; then s is in [g - u, g + u].  Because
  *      |c_i - c_0 - k_i s| <= |e_i| + |e_0| <= u, a step k_i restricts s to
  *      [(c_i - c_0 - u) / k_i, (c_i - c_0 + u) / k_i].  For each i in ascending order, if
  *      exactly one k_i is consistent with the interval of s found so far, this k_i narrows

@@ -6,9 +6,9 @@
  *    |--text--||-------after------||--|
  *     column c   the row's own     density, a whole number
  *
- * In a raster scan, every row repeats the column texts of the first row, and its other two coordinates are constant.
- * Equal bytes represent equal numbers, so only the density of a line needs to be parsed. If x does not run fastest, a
- * text precedes the column; the pattern contains this text in `before`.
+ * In a raster scan, every row repeats the column texts of the first row, and the other two coordinates are constant
+ * within a row. Equal bytes represent equal numbers, so only the density of a line needs to be parsed. If x does not
+ * run fastest, a text precedes the column; the pattern contains this text in `before`.
  */
 #ifndef OST_IO_TEXT_MATCH_H
 #define OST_IO_TEXT_MATCH_H

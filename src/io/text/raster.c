@@ -2,9 +2,9 @@
 /*
  * Why one pass is sufficient. The file is divided into pieces, and the lines of each piece are assigned to consecutive
  * voxels [first, next). These intervals must cover [0, N) in the order of the file, without gaps or overlaps. Line L is
- * then voxel L - first_line, and no line is missing. A piece that begins within a slice takes the slice's coordinate
- * from its own first line; this coordinate must equal that in the first line of the slice. The coordinates along each
- * axis must strictly rise or fall. They are then distinct, and two passes would collect the same coordinates. If
+ * then voxel L - first_line, and no line is missing. If a piece begins within a slice, the slice's coordinate is taken
+ * from the first line of the piece, and must equal the coordinate in the first line of the slice. The coordinates along
+ * each axis must strictly rise or fall. They are then distinct, and two passes would collect the same coordinates. If
  * coordinates are off their lattice, share a voxel, or do not form a grid, the text is read in two passes.
  *
  * Why there are two readers. Two passes can read any text. Most texts are raster scans, however, and one pass reads a

@@ -31,7 +31,8 @@ static void maps_free(axis_map maps[3])
 
 /*
  * Maps one axis. Returns false if two coordinates share a voxel, if a coordinate is outside the grid or too far from
- * its voxel centre, or if memory is exhausted. |p| < 2^54 and off * 10^6 < 2^56.
+ * its voxel centre, or if memory is exhausted. Ranges: |p|, the distance from the origin, is below 2^54. off, the
+ * distance from the voxel centre, is at most half of the spacing, so off * 10^6 < 2^56.
  */
 static bool map_axis(const ost_text_raster *raster, int rank, const ost_geometry *full, const ost_voxel_box *crop,
                      axis_map *map)

@@ -33,7 +33,7 @@ void ost_text_source_close(ost_text_source *source);
 
 /*
  * A fingerprint of the rows and their order. It shows whether the file has changed between two passes. The hash need
- * not be cryptographic, because there is no reason to construct a collision.
+ * not be cryptographic, because nobody has a reason to construct a collision.
  */
 typedef struct ost_text_fingerprint {
     uint64_t rows, hash;

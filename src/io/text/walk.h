@@ -3,7 +3,7 @@
  * Processes pieces of a raster scan (raster.h) line by line. The processing of a piece is called a walk.
  *
  *   file  |--- head ---|---- piece ----|---- piece ----|-- ...
- *                           ^ first line that begins in it: parsed to find its
+ *                           ^ first line that begins in the piece: parsed to find its
  *                             voxel; the voxels of the lines after it follow
  *
  * A line that does not match the pattern is parsed. If its position is the expected one, its text becomes the pattern
@@ -52,7 +52,7 @@ typedef struct ost_text_walker {
     ost_pm middle, slow; /* coordinates of the current row on the middle and the slow axis */
     int64_t first, next; /* range of the voxels whose lines have been processed */
     int32_t first_slow_index;
-    ost_pm first_slow;   /* coordinate of the first processed line on the slow axis; its index is first_slow_index */
+    ost_pm first_slow;   /* slow coordinate of the first processed line; its index is first_slow_index */
     uint32_t units[3];   /* decimal units that occur on each axis, as in ost_text_axis */
     ost_text_pattern pattern;
     ost_text_around piece[3]; /* text of each axis except the fastest, in the row of the pattern */

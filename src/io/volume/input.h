@@ -64,10 +64,7 @@ ost_status ost_input_expect_end(ost_input *input, ost_error *err);
  */
 uint64_t ost_input_offset(const ost_input *input);
 enum { OST_LOCATION_TEXT = 64 };
-/*
- * Formats the offset that lies `back` bytes before the next byte, as "byte 12" or "byte 12 of the unpacked data".
- * Returns `text`.
- */
+/* Formats the offset of the next byte minus `back`, as "byte 12" or "byte 12 of the unpacked data". Returns `text`. */
 char *ost_input_location(const ost_input *input, uint64_t back, char text[OST_LOCATION_TEXT]);
 
 #endif

@@ -6,7 +6,7 @@
  *
  * Every part is checked before anything is allocated: a plain part must contain exactly its bytes, and a packed part
  * must be large enough to unpack to its bytes. The parts are then opened one after the other, so only one file is open
- * at a time. More data than the sizes require are an error, because either the sizes or the file is wrong.
+ * at a time. Further data are an error, because either the sizes or the file is wrong.
  */
 #ifndef OST_IO_VOLUME_PARTS_H
 #define OST_IO_VOLUME_PARTS_H

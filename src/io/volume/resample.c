@@ -91,7 +91,7 @@ void ost_resample_nearest(const ost_affine *affine, const int32_t sizes[3], cons
                 bool inside = true;
                 for (int a = 0; a < 3 && inside; a++) {
                     ost_i128 n = sign * (cofactor[a][0] * p[0] + cofactor[a][1] * p[1] + cofactor[a][2] * p[2]);
-                    /* This check saves most divisions outside the file, and ensures that the quotient fits. */
+                    /* This check avoids most divisions outside the file; the quotient then fits in 64 bits. */
                     inside = 2 * n >= -det && n <= det * sizes[a];
                     if (inside) {
                         index[a] = (int64_t)ost_rhe_div128(n, det);

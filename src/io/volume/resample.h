@@ -11,8 +11,8 @@
  * All arithmetic is integer. Columns and origin are in picometres; lengths are floor(sqrt(sum of squares)). The
  * first voxel centre of the result is the corner of the box with the smallest coordinates, and dims = ceil(extent /
  * spacing) + 1. M is the matrix of the columns. A voxel of the result at the position p takes the density of the
- * file voxel adj(M) (p - origin) / det M, rounded half to even and computed exactly in 128 bits. Outside the file,
- * the density is 0, as for voxels without a sample in a text file.
+ * file voxel adj(M) (p - origin) / det M, computed exactly in 128 bits and rounded half to even. Outside the file, the
+ * density is 0, as for voxels without a sample in a text file.
  */
 #ifndef OST_IO_VOLUME_RESAMPLE_H
 #define OST_IO_VOLUME_RESAMPLE_H

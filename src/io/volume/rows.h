@@ -46,10 +46,9 @@ ost_status ost_rows_sizes(const char *path, const int64_t sizes[3], int32_t out[
 
 /*
  * Determines the directions of the file's axes. Called before ost_volume_resolve. On entry, *oriented is true if the
- * file states the directions; options->orientation must then not be set. If the file does not state them, the affine
- * transform is converted to LPS according to options->orientation, and *oriented is set to true. If this option is not
- * set either, LPS is assumed (report->assumed). Unless the file states the directions, adds the header fact
- * OST_META_ORIENTATION to meta.
+ * file states the directions; options->orientation must then not be set. Otherwise, the header fact
+ * OST_META_ORIENTATION is added to meta. If options->orientation is set, the affine transform is converted from this
+ * orientation to LPS, and *oriented is set to true; if not, LPS is assumed (report->assumed).
  */
 ost_status ost_volume_orientation(const char *path, const ost_volume_options *options, ost_affine *affine,
                                   bool *oriented, ost_meta *meta, ost_volume_report *report, ost_error *err);

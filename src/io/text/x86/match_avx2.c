@@ -43,7 +43,7 @@ static inline __m256i parse(__m256i last, __m256i length, __m256i *good)
 }
 
 /*
- * Shifts a word that begins with a density. The last byte of the density becomes the highest byte, as in match.c.
+ * Shifts a word that begins with a density, so that the last byte of the density becomes the highest byte (density.h).
  * Returns the length of the density.
  */
 static inline int64_t align(uint64_t *word, bool carriage)

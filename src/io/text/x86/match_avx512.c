@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Matches eight lines at a time (match_four.h). Their densities are parsed in parallel, one per lane, from the eight
- * bytes that begin with the density, as in match.c. If at least one of the eight lines does not match, the eight lines
- * are matched again one by one.
+ * bytes that begin with the density (density.h). If at least one of the eight lines does not match, the eight lines are
+ * matched again one by one.
  */
 #include "core/conditions.h"
 
@@ -45,7 +45,7 @@ static inline densities parse(__m512i last, __m512i length)
     return (densities){_mm512_cvtepi64_epi16(value), good};
 }
 
-/* Parses words that begin with a density, as in match.c. */
+/* Parses words that begin with a density (density.h). */
 static inline densities parse_words(__m512i words, bool carriage)
 {
     /* Bit 8 n + 7 is set if byte n is a newline. If there is no newline, n is -1, which is an invalid length, and a
