@@ -14,7 +14,7 @@
  * reads the words. If the tick writes while the viewer reads, the dirty bit is set again afterwards, and the viewer
  * reads the chunk once more. Therefore no change is missed.
  *
- *     waiting: a queue of slots, each at most once    words[slot]     dirty
+ *     waiting: a queue of distinct slots              words[slot]     dirty
  *     changed --> [ 7 | 3 | 12 |   |   ] --publish--> 1 0 1 1 ...     bit of slot
  */
 #include <stdatomic.h>
@@ -45,7 +45,7 @@ struct ost_live_channel {
 
     _Alignas(LINE) unsigned back; /* index of the tick's buffer; this and all members below are used only by the tick */
     int32_t *waiting;      /* owned; a ring buffer of slot numbers */
-    bool *waits;           /* owned; for each slot, true if the slot is in the ring buffer */
+    bool *waits;           /* owned; for each slot, true if the slot is in `waiting` */
     int32_t first, count;
     uint32_t *fresh;       /* owned; words of all chunks that one call publishes */
     int32_t at_once;

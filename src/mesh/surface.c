@@ -31,7 +31,7 @@ typedef struct pattern {
         uint8_t length;
         /*
          * index of a vertex around which a fan of triangles fills the loop without a diagonal in a face of the cell; -1
-         * if no vertex is suitable, so that the loop needs an additional vertex in its middle
+         * if there is no such vertex; the loop then has an additional vertex in its middle
          */
         int8_t apex;
         uint8_t edge[LOOP_MAX];
@@ -48,10 +48,10 @@ static void face_corners(int axis, int side, int corner[4])
 }
 
 /*
- * Computes next[e], the edge that follows edge e in a loop of the surface. Each face is walked around
- * counter-clockwise, as seen from outside the cell. The walk enters a run of solid corners across one edge and leaves
- * it across another; the surface connects the first edge to the second. Loops are therefore counter-clockwise as seen
- * from the empty side.
+ * Computes next[e], the edge that follows edge e in a loop of the surface. The corners of each face are visited
+ * counter-clockwise, as seen from outside the cell. A run of solid corners is entered across one edge and left across
+ * another; the surface connects the first edge to the second. Loops are therefore counter-clockwise as seen from the
+ * empty side.
  */
 static void join_faces(int solid, int next[EDGES])
 {
