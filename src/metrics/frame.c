@@ -32,7 +32,7 @@ bool ost_scapular_frame(const ost_metrics_plan *plan, ost_scapular *out)
         out->superior[a] = along * out->lateral[a] - down[a];
     if (!(ost_vector_unit(out->superior, 2) > 1))
         return false;
-    /* The cross product lateral x superior points to posterior on a right shoulder, and to anterior on a left one. */
+    /* The cross product lateral x superior points posteriorly on a right shoulder and anteriorly on a left one. */
     const double side = plan->left ? -1 : 1, *l = out->lateral, *s = out->superior;
     for (int a = 0; a < 3; a++)
         out->posterior[a] = side * (l[(a + 1) % 3] * s[(a + 2) % 3] - l[(a + 2) % 3] * s[(a + 1) % 3]);

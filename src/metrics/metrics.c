@@ -17,10 +17,10 @@ enum { MAP = OST_METRICS_MAP, CELLS = MAP * MAP, SLABS = 64, HARD_HU = 650, FLOO
 #define INSIDE_MM 45.0
 #define PLATE_MM 4.5
 #define MARGIN_MM 1.0
-#define WINDOW_MM 0.5   /* the mean axis of a reamer is taken over its deepest half millimetre */
+#define WINDOW_MM 0.5   /* a reamer's axis is averaged over the deepest half millimetre */
 /*
- * Minimum depth at which the hole's wall is measured. At a depth of less than WALL_MM, the search would find the empty
- * space in front of the face.
+ * Minimum depth at which the hole's wall is measured. At a depth of less than WALL_MM, a search for the nearest voxel
+ * outside the bone would find the space in front of the face.
  */
 #define ENTRY_MM 6.0
 #define WALL_MM 6.0
@@ -112,8 +112,8 @@ static double ray(const work *k, const ost_volume *volume, double u, double v, d
 }
 
 /*
- * Returns the mean position w at which four rays through a cell of the map meet bone. With four rays, a cell on the
- * border of two voxels takes both voxels into account. Returns NAN if fewer than two rays meet bone.
+ * Returns the mean position w at which four rays through a cell of the map meet bone. With four rays, both voxels
+ * contribute to a cell on their border. Returns NAN if fewer than two rays meet bone.
  */
 static double surface(const work *k, const ost_volume *volume, double u, double v)
 {
@@ -145,9 +145,9 @@ static bool is_floor(const work *k, int i)
 }
 
 /*
- * Stores the points of the cells of the floor, except those near its rim: all cells within RIM cells of a stored cell
- * belong to the floor. Near the rim, cells from which very little bone was removed do not count as floor. The
- * remaining, deeper cells there would distort the fit.
+ * Stores the points of the floor's cells, except near the floor's rim: all cells within RIM cells of a stored cell
+ * belong to the floor. Near the rim, cells from which very little bone was removed do not count as floor; the
+ * remaining, deeper cells would distort the fit.
  */
 static void leave_rim(work *k)
 {

@@ -19,13 +19,13 @@ typedef struct ost_tool_way {
 } ost_tool_way;
 
 /*
- * Computes the mean tip and the mean axis of the tools of one kind. Only ticks are used in which such a tool removed
- * bone and its tip was within window_mm of its deepest position.
+ * Computes the mean tip and the mean axis of the tools of one kind. Uses only ticks in which such a tool removed bone
+ * and its tip was within window_mm of its deepest position.
  */
 ost_tool_way ost_tool_way_of(const ost_metrics_motion *motion, ost_metrics_tool_kind kind, const ost_plan_frame *frame,
                              double window_mm);
 
-/* Sets mark[i] to 1 for each voxel that a drill can have reached in a tick in which it removed bone. */
+/* Sets mark[i] to 1 for each voxel that a drill may have reached in a tick in which the drill removed bone. */
 void ost_tool_way_mark(const ost_metrics_motion *motion, const ost_geometry *geometry, uint8_t *mark);
 
 #endif

@@ -395,7 +395,7 @@ bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wre
     ost_fault fault = judge(o, &tick, put);
     run_motor(o, &sample->state, o->on || is(active_actions, OST_ACTION_MOTOR), &motor, &tick);
     if (put)
-        /* resets the safety layer, so that this displacement is not included in the work of the hand */
+        /* resets the safety layer, so that this displacement does not count as work done by the hand */
         ost_safety_stop(&o->safety);
     if (fault == OST_FAULT_NONE && put && o->options.force)
         ost_force_set_pose(o->options.force, tick.tool, &tick.pose);
