@@ -7,8 +7,8 @@
  *      `--./ \ .--'       other points.  Where two cells meet, there may be a wall;
  *          | p3 |         where three cells meet, there is a strut:
  *
- *                           d2 = (F2 - F1) / 2 |p2 - p1|     to the wall, exactly
- *                           d3 = (F3 - F1) / 2 |p3 - p1|     to the next wall
+ *                           d2 = (F2 - F1) / 2 |p2 - p1|     exact distance to the wall
+ *                           d3 = (F3 - F1) / 2 |p3 - p1|     distance to the next wall
  *
  * F1 <= F2 <= F3 are the squared distances to the three nearest points.  d2 is
  * small close to a wall; d2 and d3 are both small close to a strut.  A hash of two

@@ -39,7 +39,7 @@
 static const ost_v3 MIDDLE = {53.85, 19.0, -32.7}; /* position of the centre of the box in the bone's frame */
 
 typedef struct pose {
-    /* Rotation matrix: its rows are the patient's lateral, anterior and superior direction in the bone's frame. */
+    /* Rotation matrix: its rows are the patient's lateral, anterior and superior directions in the bone's frame. */
     ost_v3 row[3];
     ost_v3 centre;   /* centre of the box in the patient's LPS frame, in mm */
     double scale;    /* size relative to the mean shape */
@@ -51,8 +51,8 @@ static pose make_pose(double scale)
     double l = LEAN_HALF, a = (1 - l * l) / (1 + l * l), b = 2 * l / (1 + l * l);
     double h = LIFT_HALF, e = (1 - h * h) / (1 + h * h), f = 2 * h / (1 + h * h);
     /*
-     * The lift is a rotation in the plane of the blade, the lean about the lateral axis, and the turn about the
-     * vertical axis.
+     * The lift rotates the bone in the plane of the blade, the lean rotates it about the lateral axis, and the turn
+     * rotates it about the vertical axis.
      */
     ost_v3 lift[3] = {{e, 0, -f}, {0, 1, 0}, {f, 0, e}};
     const double basis[3][3] = {{c, -s * a, -s * b}, {s, c * a, c * b}, {0, -b, a}};
@@ -107,7 +107,7 @@ static double soft_tissue(uint64_t seed, ost_noise_cell cells[2], ost_v3 p, doub
 }
 
 /*
- * Returns the density, in HU, of spongy bone in a CT. Spongy bone consists of struts of about a millimetre. It is
+ * Returns the density, in HU, of spongy bone in a CT. Spongy bone consists of struts about a millimetre in size. It is
  * denser toward the back and under the plate, and less dense in the processes.
  */
 static double spongy(uint64_t seed, ost_v3 q, const ost_scapula_sample *at)
@@ -181,7 +181,7 @@ static humerus make_humerus(const ost_scapula *s)
     return h;
 }
 
-/* Returns the signed distance from q to the surface of the humerus, in mm of this bone. */
+/* Returns the signed distance from q to the surface of the humerus, in mm at the actual size of the bone. */
 static double humerus_distance(const humerus *h, ost_v3 q)
 {
     const ost_v3 axis = ost_v3_sub(h->end, h->head), from = ost_v3_sub(q, h->head);
@@ -234,13 +234,13 @@ static void scan_block(void *user, const int lo[3], const int hi[3])
     ost_scapula_near(&c->scapula, middle, 0, &part);
     ost_scapula_at(&part, middle, &at);
     /*
-     * A computed distance is at most 1.5 times the true distance. If both computed distances of a
-     * block's centre are greater than `reach`, no voxel of the block depends on a surface.
+     * A computed distance is at most 1.5 times the true distance. If the computed distances from a block's centre to
+     * the bone and to the cartilage are both greater than `reach`, no voxel of the block depends on a surface.
      */
     double reach = 1.5 * 0.5 * ost_v3_length(ost_v3_sub(b, a)) / scan->scale + c->blur + 4;
     ost_noise_cell cells[2] = {{.known = 0}, {.known = 0}};
     bool empty = at.bone > reach && at.cartilage > reach;
-    if (!empty) /* The pose only rotates and scales. 1e-6 mm exceeds the rounding errors of the radius. */
+    if (!empty) /* the pose only rotates and scales the ball; 1e-6 mm exceeds the rounding errors of its radius */
         ost_scapula_near(&c->scapula, middle, 0.5 * ost_v3_length(ost_v3_sub(b, a)) / c->pose.scale + 1e-6, &part);
     for (int k = lo[2]; k < hi[2]; k++)
         for (int j = lo[1]; j < hi[1]; j++) {

@@ -19,10 +19,10 @@
 #define SCALE_MAX 8.0
 
 /*
- * A box of a generated bone, in micrometres. Its physical size is dims times spacing of Table 3.1. corner_um is the
- * position of the box's first corner in the patient, for the right side. The distance from the corner of the scapula's
- * box to the corner of the glenoid's box is a whole number of voxels, so that the glenoid phantom is a part of the
- * scapula phantom.
+ * A box of a generated bone, in micrometres. Its physical size is that of Table 3.1: dims times spacing. corner_um is
+ * the position of the box's first corner in the patient, for the right side. The distance from the corner of the
+ * scapula's box to the corner of the glenoid's box is a whole number of voxels, so that the glenoid phantom is a part
+ * of the scapula phantom.
  */
 typedef struct box {
     const char *name;

@@ -208,7 +208,7 @@ void ost_scapula_at(const ost_scapula_part *part, ost_v3 p, ost_scapula_sample *
 
     /*
      * Heights above the sheets are used in place of distances. Above a sloped sheet, the height is greater than the
-     * distance, by at most a tenth where this has an effect.
+     * distance. Where this has an effect, the height is at most a tenth greater.
      */
     double body = 1e30, half = 0;
     double inside = ost_outline_inside(&s->body, p.x, p.z);
@@ -286,7 +286,7 @@ ost_status ost_scapula_init(ost_scapula *s, uint64_t seed, ost_error *err)
     s->seed = seed;
     s->size = GREATEST_SIZE * (0.982 + 0.010 * vary(seed, 1));
     /*
-     * Tangents of the angles at which the face is tilted backward and upward. The mean angles are 2 and 5 degrees; each
+     * Tangents of the angles by which the face is tilted backward and upward. The mean angles are 2 and 5 degrees; each
      * varies by up to 2 degrees.
      */
     double back = 0.035 + 0.035 * vary(seed, 2), up = 0.087 + 0.035 * vary(seed, 3);

@@ -12,8 +12,7 @@
  *        border     \      .'  lateral border
  *                    `---'  inferior angle
  *
- * The mean shape is the mean of an adult population. A seed slightly varies size, version, inclination and
- * outlines.
+ * The mean shape is the mean of an adult population. The seed slightly changes size, version, inclination and outlines.
  */
 #ifndef OST_PHANTOM_SCAPULA_H
 #define OST_PHANTOM_SCAPULA_H
@@ -33,7 +32,10 @@ typedef struct ost_scapula {
     ost_bar crest, pillar, coracoid, root;
 } ost_scapula;
 
-/* The position of a point relative to the parts of the scapula, in mm of this bone. Distances are negative inside. */
+/*
+ * The position of a point relative to the parts of the scapula, in mm at its actual size. Distances are negative
+ * inside.
+ */
 typedef struct ost_scapula_sample {
     double bone;      /* distance to the bone's surface, without cartilage */
     double wall;      /* distance to the outer walls of the bone, as if there were no dish */

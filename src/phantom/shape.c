@@ -25,8 +25,8 @@ enum { PIECES = 6 }; /* number of straight pieces between two points of an outli
 typedef struct piece {
     double u, v, du, dv, inverse; /* start (u, v) and direction (du, dv) of the piece; inverse: 1 / squared length */
     /*
-     * Coordinate v of the piece's end. It is bit-identical to v of the next piece, so that a ray through the common
-     * point of two pieces crosses exactly one of them.
+     * Coordinate v of the piece's end. It is bit-identical to the start v of the next piece, so that a ray through the
+     * common point of two pieces crosses exactly one of them.
      */
     double end_v;
     int tag;
@@ -212,9 +212,9 @@ void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts)
 }
 
 /*
- * Returns the first-order distance (k - 1) / |grad k| from p to an ellipsoid, whose surface is k = 1. The centre of the
- * ellipsoid is the point of the path nearest to p, its radii are (wide, thick, thick), and k is the distance of p from
- * the centre, relative to the radii.
+ * Returns the first-order distance (k - 1) / |grad k| from p to an ellipsoid. The ellipsoid has the radii (wide, thick,
+ * thick), and its centre is the point of the path nearest to p. k is the distance of p from the centre relative to the
+ * radii, so the surface is k = 1.
  */
 static double segment_distance(const ost_bar_segment *segment, ost_v3 p)
 {
@@ -234,13 +234,13 @@ static double segment_distance(const ost_bar_segment *segment, ost_v3 p)
 }
 
 /*
- * Returns false if ost_bar_distance skips the segment, because it has already found the distance `best`. If the result
- * is true for some value of `best`, it is true for all greater values, because every operation is monotonic, including
- * its rounding.
+ * Returns true if the segment may be nearer to p than the distance `best`; ost_bar_distance skips all other segments.
+ * If the result is true for some value of `best`, it is true for all greater values, because every operation is
+ * monotonic, including its rounding.
  */
 static bool is_in_reach(const ost_bar_segment *segment, ost_v3 p, double best)
 {
-    /* Next to a flat bar, segment_distance returns too great a distance; hence the factor 1.5. */
+    /* The factor 1.5 is needed because the distances that segment_distance returns next to a flat bar are too great. */
     const ost_v3 d = ost_v3_sub(p, segment->middle);
     const double reach_limit = ost_max(best, 0) * 1.5 + segment->reach;
     return ost_v3_dot(d, d) < reach_limit * reach_limit;
@@ -284,7 +284,7 @@ double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far)
  *   o * flatness - greatest  <=  segment_distance  <=  o - least.
  *
  * Along a segment, w / t is a monotonic function, so flatness is least at one of the ends. A segment whose lower bound
- * in the ball is above the upper bound of another segment is not the nearest segment of any point of the ball. MARGIN,
+ * in the ball is above the upper bound of another segment is not the nearest segment to any point of the ball. MARGIN,
  * in mm, exceeds all rounding errors, which are below 1e-9 mm.
  */
 #define MARGIN 1e-6
@@ -329,7 +329,7 @@ double ost_bar_blend(const ost_bar_part *part, double a, ost_v3 p, double far, d
         }
     }
     /*
-     * If the nearest segment is flat and not in reach, ost_bar_distance skips this segment and returns a greater
+     * If is_in_reach returns false for the nearest segment, ost_bar_distance skips this segment and returns a greater
      * distance. This function must return the same distance.
      */
     if (!is_in_reach(&bar->segment[nearest], p, best))

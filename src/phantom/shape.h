@@ -117,7 +117,7 @@ typedef struct ost_bar_segment {
     ost_v3 middle;
     double reach;   /* maximum distance of the segment's surface from `middle` */
     double least_radius, greatest_radius;
-    double flatness; /* at most 1; the comment of ost_bar_near explains this value */
+    double flatness; /* at most 1; defined with the bounds of segment_distance in shape.c */
 } ost_bar_segment;
 
 enum { OST_BAR_SEGMENTS = 48 };
@@ -128,7 +128,7 @@ typedef struct ost_bar {
 } ost_bar;
 
 /*
- * The segments of a bar that can be nearest to a point of a ball. `least` is a lower bound of all distances in the
+ * The segments of a bar that can be nearest to a point of a ball. `least` is a lower bound on all distances in the
  * ball.
  */
 typedef struct ost_bar_part {
@@ -145,7 +145,7 @@ typedef struct ost_bar_part {
 void ost_bar_init(ost_bar *bar, const ost_bar_node *nodes, int count, int parts);
 /*
  * Returns the distance from p to the bar. If the distance from p to the box around the bar exceeds the limit `far`,
- * returns this distance instead, which is smaller.
+ * returns the distance to the box, which is smaller than the distance to the bar.
  */
 double ost_bar_distance(const ost_bar *bar, ost_v3 p, double far);
 /*

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Converts the statuses and error texts of a plugin for the host, and geometries of the host for a plugin. */
+/* Converts a plugin's statuses and error messages for the host, and the host's geometries for a plugin. */
 #include "plugin/adapt.h"
 
 ost_status ost_adapt_heard(const plugin_backend *b, const char *slot, int32_t status, plugin_error_sink *t, bool *lost,
