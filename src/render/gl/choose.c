@@ -103,7 +103,7 @@ static uint32_t list_points(const ost_surface_block *b, const float base[3], uin
 }
 
 /* Lists the bricks of the block that are in one of the `wanted` cells. Writes their numbers to out[], and returns their
-   count. The bricks of a run are numbered in the order of their bits in run->bricks. */
+   count. The number of a brick is its rank among the set bits of run->bricks, plus run->first. */
 static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *out)
 {
     uint32_t n = 0, number = run->first;
@@ -115,7 +115,7 @@ static uint32_t list_bricks(const ost_gl_run *run, uint64_t wanted, uint32_t *ou
     return n;
 }
 
-/* Returns an upper bound of the width in pixels of any voxel of the block. The width grows with the slope of the ray
+/* Returns an upper bound on the width in pixels of any voxel of the block. The width grows with the slope of the ray
  * (splat_scalar.c), which is greatest at a corner of the frame. */
 static float largest_voxel(const ost_splat_eye *s, const float base[3])
 {
@@ -159,7 +159,7 @@ void ost_gl_list_blocks(ost_gl *gl, ost_gl_layer *l)
     }
 }
 
-/* width in pixels; if voxels appear smaller, bricks are drawn faster than points */
+/* voxels that appear narrower than this number of pixels are drawn faster as bricks than as points */
 static const float SMALL_VOXEL = 3.0f;
 
 bool ost_gl_are_small(const ost_gl *gl, const ost_gl_layer *l)

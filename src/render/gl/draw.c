@@ -9,8 +9,8 @@
  *       the points are drawn in two parts, between which hidden cells are found (hide.c)
  *
  * The depth of a pixel is the squared distance from the eye to the voxel's centre. If clip-space depth ranges from 0 to
- * 1 (OpenGL 4.5), the distance is stored exactly: the stored float is the one that the CPU renderer compares, times a
- * power of two. In older versions, the distance is rounded to a 24-bit fraction of the maximum distance.
+ * 1 (OpenGL 4.5), the distance is stored exactly: the stored float is a power of two times the float that the CPU
+ * renderer compares. In older versions, the distance is rounded to a 24-bit fraction of the maximum distance.
  */
 #include "core/conditions.h"
 #include "render/gl/insides.h"

@@ -11,7 +11,7 @@ static void copy3(float to[4], const float from[3], float w)
     to[3] = w;
 }
 
-/* Returns an upper bound of the squared distance from the eye to any voxel that the layer draws. */
+/* Returns an upper bound on the squared distance from the eye to any voxel that the layer draws. */
 static float farthest(const ost_gl *gl, const ost_gl_layer *l)
 {
     float most = 1;

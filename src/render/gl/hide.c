@@ -55,7 +55,7 @@ static bool is_hidden(const ost_gl *gl, const ost_gl_layer *l, const float o[3],
                 nearest = z - 2 * half * l->eye.reach[2];
     /*
      * The depth of a point is that of its voxel's centre, and the depth of a brick is that of the brick's centre. On
-     * each axis, all these centres are at most the distance `centres` away from the cube's centre.
+     * each axis, the distance of such a centre from the cube's centre is at most `centres`.
      */
     const float centres = 0.5f * (float)(side - (l->form == OST_GL_BRICKS ? 4 : 1));
     float square = 0, sx = 0, sy = 0;

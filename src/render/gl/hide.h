@@ -9,7 +9,7 @@
  * The cells that were visible in the last frame are drawn first, because they probably hide the other cells. If they do
  * not, drawing takes longer, but the picture is the same. A cell is skipped if every tile that it may cover is
  * completely filled with points nearer than all voxels of the cell. The depth of a voxel is the squared distance of its
- * centre. A lower bound of the depths in a cell is therefore the squared distance of the nearest centre, minus a margin
+ * centre. A lower bound on the depths in a cell is therefore the squared distance of the nearest centre, minus a margin
  * for rounding. Points that are drawn later can only decrease the depths of a tile.
  *
  * Cells are tested in addition to blocks of 32^3 voxels. Because bone is thin, a cell is often hidden although its

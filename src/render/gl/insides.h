@@ -23,7 +23,7 @@ typedef struct ost_gl_layer {
     int32_t blocks;              /* number of selected blocks */
     /* true to draw the points in the list; false to draw all points of the selected blocks */
     bool listed;
-    /* depth_scale: factor that converts a squared distance to a value of the depth buffer; depth_slack: upper bound of
+    /* depth_scale: factor that converts a squared distance to a value of the depth buffer; depth_slack: upper bound on
      * the rounding error of this value */
     float depth_scale, depth_slack;
     int y0, y1;
@@ -64,7 +64,7 @@ struct ost_gl {
     GLsizei *counts;        /* owned */
     /* owned; block_capacity null pointers: each block's indices start at offset 0 of quad_indices */
     const void **offsets;
-    /* owned; for each selected block, the set of cells to draw next; bits as in ost_gl_run.cells */
+    /* owned; for each selected block, the set of cells to draw next, encoded like ost_gl_run.cells */
     uint64_t *wanted;
     int32_t block_capacity;
     bool tests_depth;       /* true if this frame searches for hidden cells (hide.c) */

@@ -15,8 +15,7 @@ enum { OST_GL_EYE = 0 }; /* binding of the uniform block that shaders/eye.glsl d
 
 /*
  * Compiles and links a program. `defines` consists of #define lines. `samplers` and `inputs` are lists that end with
- * NULL. The samplers get the texture units 0, 1, ... in the order of their list, and the inputs get the locations 0, 1,
- * ... in the order of theirs.
+ * NULL. In list order, the samplers get the texture units 0, 1, ..., and the inputs get the locations 0, 1, ...
  */
 ost_status ost_gl_program_make(ost_gl_context *context, const ost_gl_source *vertex, const ost_gl_source *fragment,
                                const char *defines, const char *const *inputs, const char *const *samplers, GLuint *out,

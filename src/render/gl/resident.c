@@ -308,8 +308,10 @@ static ost_status mesh_changed(ost_gl_context *c, ost_gl_store *store, const ost
     return status;
 }
 
-/* Writes the shades of a block's faces. The shade of a face is that of its voxel. Points and quads have the same
-   order of voxels. */
+/*
+ * Writes the shades of a block's faces. The shade of a face is that of its voxel. The voxels of points and quads are in
+ * the same order.
+ */
 static ost_status bring_face_shades(ost_gl_context *c, ost_gl_store *store, const ost_surface_block *b, ost_gl_run *run,
                                     ost_error *err)
 {

@@ -25,10 +25,10 @@ typedef struct ost_gl_run {
     uint32_t first, count, granules;
     /* first element of the run of shades, and its number of granules; used only for bricks and quads */
     uint32_t shade_first, shade_granules;
-    uint64_t listed;      /* value of the block's `listed` when the quads were made; only for quads */
+    uint64_t listed;      /* only for quads: value of block->listed when they were made */
     uint64_t bricks[8];   /* set of the bricks of 4^3 voxels that contain a point: bit x | y << 3 of word z */
     uint64_t cells;       /* set of the cells of 8^3 voxels that contain a point: bit x | y << 2 | z << 4 */
-    uint64_t hidden;      /* set of the cells that the last search found hidden (hide.h); bits as in `cells` */
+    uint64_t hidden;      /* set of the cells that were hidden in the last search (hide.h), encoded like `cells` */
 } ost_gl_run;
 
 typedef struct ost_gl_resident {
