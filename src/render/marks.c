@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 enum { WHITE = 0xf4f1ee, PALE = 0xb9b2aa, PANEL = 0x0e0c0a, SHADE = 200, FULL = 256 };
-/* LONGEST is in units of the marks; all other sizes are in pixels. */
+/* The limit LONGEST is in units (marks.h); the other sizes are in pixels. */
 enum { LEAST_WIDTH = 160, LEAST_HEIGHT = 120, LEGEND_WIDTH = 430, LONGEST = 150 };
 
 double ost_marks_unit(int height)
@@ -64,7 +64,7 @@ void ost_scale_bar(const ost_lettering *letters, const ost_sheet *sheet, int x, 
     const int width = (int)(length / mm_per_pixel + 0.5), thick = (int)(2 * unit + 0.5), end = (int)(7 * unit + 0.5);
     snprintf(text, sizeof text, "%g mm", length);
     const int left = from_left ? x : x - width, wide = ost_lettering_width(letters, text);
-    /* the text is centred above the bar, but shifted if it would extend beyond the end of the bar that is at x */
+    /* the text is centred above the bar, but is shifted if it would extend beyond the bar's end at x */
     int at = left + (width - wide) / 2;
     at = from_left ? (at < left ? left : at) : at + wide > x ? x - wide : at;
     ost_sheet_box(sheet, left, y - thick, width, thick, colour, FULL);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Encodes PNG, either small or fast. */
+/* Encodes pictures as PNG, with a choice between small files and fast encoding. */
 #ifndef OST_RENDER_PNG_H
 #define OST_RENDER_PNG_H
 

@@ -16,7 +16,7 @@ _Static_assert(OST_CELL_WIDTH == 16, "a word has one bit for each pixel in a row
  * `before` sides in one direction and `after` sides in the other. The weight depends only on the nearer end of the run.
  * Let x be the distance from this end. The slanted line (antialias.h) falls from a height of half a pixel at x = 0 to
  * zero in the middle of the run. The weight of a pixel that is k sides away from the end is the area under the line
- * from x = k to x = k + 1. If the middle of the run is within a pixel, two lines end there, and each of them
+ * from x = k to x = k + 1. If the middle of the run lies within the pixel, two lines end there, and each of them
  * contributes a triangle.
  */
 static uint8_t share_of(int before, int after)

@@ -15,8 +15,9 @@
  *   # # # # # # # # #
  *
  * For example, the run between the lower two rows has its right end where the edge continues into the upper of these
- * rows. The line falls from half a pixel above this end to the middle of the run. A pixel `.` that the line cuts is
- * mixed with the pixel below it, whose weight is the part of the cut pixel's area that lies below the line.
+ * rows. The line falls from half a pixel above this end to the middle of the run. Each pixel `.` that the line cuts is
+ * mixed with the pixel below. The weight of the pixel below is the share of the cut pixel's area that lies below the
+ * line.
  *
  * Sides between two columns are processed in the same way. All values are integers, so the result is bit-identical for
  * every instruction set and number of threads. A pixel depends only on pixels at most OST_ANTIALIAS_REACH away, in its

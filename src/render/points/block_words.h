@@ -6,8 +6,8 @@
 #include "render/points/surface.h"
 
 /*
- * Sets bit x of words[y + 32 z] if voxel (x, y, z) of the block has at least the density `threshold`, which must fit
- * int16. Clears the bits of voxels outside the volume.
+ * Sets bit x of words[y + 32 z] if voxel (x, y, z) of the block has at least the density `threshold`, which must fit in
+ * an int16. Clears the bits of voxels outside the volume.
  */
 void ost_block_words(const ost_volume *volume, const int32_t block[3], int32_t threshold,
                      uint32_t words[OST_BLOCK_ROWS]);

@@ -58,7 +58,7 @@ bool ost_blocks_pixels(const ost_splat_eye *s, const float o[3], int side, ost_e
 }
 
 /*
- * Returns a lower bound of the keys of a block's voxels, with a margin for rounding. `base` is the vector from the eye
+ * Returns a lower bound on the keys of a block's voxels, with a margin for rounding. `base` is the vector from the eye
  * to the block's voxel (0, 0, 0).
  */
 static uint64_t nearest_key(const float base[3])

@@ -13,7 +13,7 @@
 typedef struct ost_frame_block {
     int32_t slot;
     float distance;      /* squared distance from the eye to the block's centre, the sort key */
-    uint64_t nearest;    /* lower bound of the keys of the block's voxels (splat.h) */
+    uint64_t nearest;    /* lower bound on the keys of the block's voxels (splat.h) */
     ost_extent pixels;   /* range of pixels that the block may cover */
     uint32_t count;      /* number of points of the block */
 } ost_frame_block;

@@ -19,8 +19,8 @@ typedef struct ost_eye {
     float at[3];                           /* in voxels */
     float right[3], up[3], forward[3];     /* unit vectors, within float precision */
     float focal;                           /* pixels */
-    /* distance in pixels from the left and the top edge to the point where the forward axis passes through the picture.
-       This is the middle of the picture, except for an eye of a headset (drawn only by OpenGL) */
+    /* position in pixels, from the left and top edges, of the point at which the forward axis passes through the
+       picture. The point is the middle of the picture, except for a headset, whose frames only OpenGL draws */
     float half_w, half_h;
     /* distance of the near plane along the forward axis, in voxels; a voxel is drawn only if all its corners are beyond
        this plane */

@@ -99,7 +99,8 @@ bool ost_surface_changes(const ost_surface *surface, const ost_surface_block *bl
     for (int i = 0; i < 27; i++)
         if (near[i / 9][i / 3 % 3][i % 3] != nothing)
             add_changes(near[i / 9][i / 3 % 3][i % 3], (const int[]){i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1}, reach, rows);
-    /* The changes have been spread by `done` rows so far, so a step of at most 2 done + 1 rows leaves no gap. */
+    /* `done` is the number of rows by which the changes are spread so far; a step of at most 2 done + 1 rows leaves no
+       gap. */
     for (int done = 0, step; done < reach; done += step) {
         uint64_t was[OST_SEEN];
         step = reach - done < 2 * done + 1 ? reach - done : 2 * done + 1;

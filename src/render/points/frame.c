@@ -228,8 +228,8 @@ static void find_cells(ost_frame_layer *layer)
  * Returns true if a ray may enter a voxel through a face that is not exposed. This is possible only if the ray begins
  * inside a voxel, or passes through a voxel that the near plane excludes. Measured along the forward axis, the centre
  * of an excluded voxel is at most near + sqrt(3) from the eye, and its corners at most near + 2 sqrt(3). Measured along
- * a ray, these distances are greater by at most the factor c. The ray to a corner of the frame has the greatest factor:
- * its angle to the forward axis has the cosine 1 / c.
+ * a ray, these distances are at most c times as great, where 1 / c is the cosine of the angle between the forward axis
+ * and the ray to a corner of the frame.
  */
 static bool is_within(const ost_surface *surface, const ost_eye *e)
 {
@@ -246,7 +246,7 @@ static bool is_within(const ost_surface *surface, const ost_eye *e)
     return !ost_surface_is_empty(surface, lo, hi);
 }
 
-/* Computes the light of a layer. Returns true if it equals that of the previous frame. */
+/* Computes the light of a layer. Returns true if the light is the same as in the previous frame. */
 static bool make_light(const ost_frame *frame, ost_frame_layer *layer, const ost_frame_thing *thing)
 {
     uint32_t colour[OST_PAINTS], face[8];
@@ -334,8 +334,8 @@ ost_status ost_frame_draw_things(ost_frame *frame, const ost_frame_thing *things
             ost_frame_draw_band(frame, i, base);
     }
     if (frame->antialias.below) {
-        /* smooths the cells that were drawn or restored in this frame or drawn over in the previous one, and their
-         * surroundings */
+        /* smooths three kinds of cells and their surroundings: those drawn in this frame, those restored in this frame,
+         * and those drawn over in the previous frame */
         ost_cells_clear(&frame->smoothed);
         ost_cells_join(&frame->smoothed, &frame->stale);
         ost_cells_join(&frame->smoothed, &frame->over);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Draws a band of a frame: draws the blocks that are not hidden into planes, and merges the planes of the layers. */
+/*
+ * Draws a band of a frame: skips hidden blocks, draws the other blocks into planes, and merges the planes of the
+ * layers.
+ */
 #include "core/bits_run.h"
 #include "core/conditions.h"
 #include "render/points/frame_parts.h"

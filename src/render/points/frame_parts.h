@@ -50,9 +50,9 @@ void ost_layer_drop_lists(const ost_frame_layer *layer);
 /*
  * Sets frame->part to the cells of the first layer that must be drawn. Sets frame->stale to the cells that must be
  * copied from the stored planes. Returns the planes to draw into. The stored planes are filled only if the eye and the
- * light are the same as in the previous frame, so they cost no time while the eye moves. If the frame has keys, all
- * cells are drawn: a key contains the index of a voxel in its list, and a changed list may shift the indices of
- * unchanged voxels.
+ * light are the same as in the previous frame, so storing them costs no time while the eye moves. If the frame has
+ * keys, all cells are drawn: a key contains the index of a voxel in its list, and a changed list may shift the indices
+ * of unchanged voxels.
  */
 const ost_planes *ost_frame_choose_part(ost_frame *frame);
 

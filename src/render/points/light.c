@@ -6,7 +6,10 @@
 
 #include "render/points/surface.h"
 
-/* Computes the unit vector with the direction r * right + u * up + f * forward, relative to the picture. */
+/*
+ * Computes the unit vector in the direction r * right + u * up + f * forward, where right, up and forward are the eye's
+ * axes.
+ */
 static void toward(const ost_eye *eye, float r, float u, float f, float out[3])
 {
     float square = 0;

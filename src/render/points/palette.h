@@ -28,7 +28,7 @@ enum {
     /* first colour with lighting */
     OST_PAINT_LIT = 1,
     OST_PAINT_FLAT = 128,
-    OST_SCALE = 127,        /* number of steps of a scale, which are numbered from 0 */
+    OST_SCALE = 127,        /* number of steps of a scale */
 };
 
 /* A tissue of the bone, determined by density and position. The first three are the default density classes, from

@@ -175,7 +175,7 @@ ost_status ost_surface_renew(ost_surface *surface, int32_t slot, ost_error *err)
     if (find_changed(surface, b, points, k))
         status = ost_surface_shade(surface, b, points, k, err);
     if (status == OST_OK) {
-        /* copies the other rows last, because the computation of stale rows may overwrite words after these rows */
+        /* copies the other rows last, because computing a stale row may overwrite words after this row */
         copy_shading(b, k);
         mark_contact(b, points, k);
         status = take(surface, slot, points, k, err);

@@ -74,7 +74,7 @@ static inline void spread_rows(ost_rows *restrict rows, ost_rows *restrict other
     }
 }
 
-/* Computes out[f], the voxels of a row whose neighbour at face f is set. */
+/* Sets each out[f] to those voxels of a row whose neighbours at face f are set. */
 static inline void behind_row(const ost_rim *rim, int y, int z, uint32_t out[6])
 {
     const int row = y + OST_BLOCK * z;

@@ -14,7 +14,7 @@
 #include "render/points/surface.h"
 
 enum {
-    /* number of rows along y on which the shades of a block may depend; the same number of slices along z */
+    /* number of rows along y, and of slices along z, on which the shades of a block may depend */
     OST_SEEN = OST_BLOCK + 2 * OST_SHADING_REACH,
     OST_RIM = OST_BLOCK + 2,
     /* number of words that a kernel may overwrite after the last point */

@@ -63,8 +63,8 @@ static bool find_near(const ost_surface *s, const ost_surface_block *b, ost_shad
     return any != 0;
 }
 
-/* Returns LINE voxels of a row of `size` voxels, starting at index `first`. Elements outside the row are
-   OST_FIELD_DENSE, which is never used because there is no bone outside the row. */
+/* Returns a line of a row: the LINE voxels from index `first` on. The row has `size` voxels. Elements outside the row
+   are OST_FIELD_DENSE, which is never used because there is no bone outside the row. */
 static const int16_t *line_of(const int16_t *voxels, int first, int size, int16_t copy[LINE])
 {
     if (first >= 0 && first + LINE <= size)

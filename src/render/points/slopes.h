@@ -34,7 +34,7 @@ enum {
 };
 /*
  * Let c be the cosine of the angle between the fine and the wide slope. The weight of the wide slope is 0 for c <=
- * OST_AGREE_LEAST. Above this value, it rises linearly with the steepness OST_AGREE_STEEP, up to 1.
+ * OST_AGREE_LEAST. For greater c, it rises by OST_AGREE_STEEP per unit of c, up to 1.
  */
 static const float OST_AGREE_LEAST = 0.6f, OST_AGREE_STEEP = 10;
 

@@ -4,10 +4,10 @@
  *
  *   rows of bits, densities --bits, densities--> slice of bone, [42][48]
  *   slice of bone --down--> sums along y, [34][48]
- *   nine of these --slice--> sums along z, a sixteenth of them, sums along x: slice of the field, [34][48]
+ *   nine of these sums --slice--> sums along z, divided by 16, summed along x: slice of the field, [34][48]
  *
- *   slices of bone --cells--> a mean of each 2^3 voxels --lines, down, slice--> a field of cells
- *       --finer--> slice of the wide field, a quarter of it, [34][48]
+ *   slices of bone --cells--> means of 2^3 voxels each --lines, down, slice--> field of cells
+ *       --finer--> slice of the wide field, divided by 4, [34][48]
  *
  *   three slices of the field, three of the wide one, points --shades-> normal, openness
  *
@@ -58,7 +58,7 @@ typedef struct ost_smooth_kernels {
     /* Computes a row of cells from four rows of voxels: two rows in each of two slices. */
     void (*cells)(const uint16_t (*below)[OST_FIELD_LINE], const uint16_t (*above)[OST_FIELD_LINE],
                   uint8_t out[OST_CELLS]);
-    /* Joins the rows of cells of three adjacent blocks to lines. The lines begin at x = -8, as lines of voxels do.
+    /* Joins the rows of cells of three adjacent blocks into lines. The lines begin at x = -8, as lines of voxels do.
      * `count` is the number of lines. */
     void (*lines)(const uint8_t *left, const uint8_t *own, const uint8_t *right, int count,
                   uint16_t (*out)[OST_FIELD_LINE]);

@@ -18,7 +18,7 @@ enum { MEETING_MAX = 1024 };
 /* The normals of a part's triangles, and the triangles that meet at each position. */
 typedef struct part {
     const ost_mesh *mesh;
-    double (*normal)[3]; /* owned; unit normals; 0 for a triangle without area */
+    double (*normal)[3]; /* owned; unit normals; 0 for a zero-area triangle */
     double *area;        /* owned; twice the area of each triangle */
     /* owned; for each vertex, the number of its position; vertices at the same position have the same number */
     uint32_t *place;

@@ -42,10 +42,9 @@ typedef struct ost_smooth_mesh {
 } ost_smooth_mesh;
 
 /*
- * Makes the surface from the meshes of a tool's parts, in the frame of `grid`. Triangles without area are omitted. If
- * the parts have more than OST_SMOOTH_TRIANGLES_MAX triangles together, *out is empty. Returns OST_ERR_USAGE if a
- * vertex index is out of range, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out with
- * ost_smooth_mesh_free.
+ * Makes the surface from the meshes of a tool's parts, in the frame of `grid`. Zero-area triangles are omitted. If the
+ * parts have more than OST_SMOOTH_TRIANGLES_MAX triangles together, *out is empty. Returns OST_ERR_USAGE if a vertex
+ * index is out of range, and OST_ERR_MEMORY if memory is exhausted. The caller frees *out with ost_smooth_mesh_free.
  */
 ost_status ost_smooth_mesh_make(const ost_mesh *parts, int count, const ost_tool_geometry *grid, ost_smooth_mesh *out,
                                 ost_error *err);

@@ -139,9 +139,9 @@ typedef struct ost_splat_kernels {
        be a multiple of OST_TILE. */
     uint64_t (*farthest)(const ost_planes *planes, int x, int y, int rows);
     /*
-     * Merges the pixels x0 <= x < x1 of row y: copies a pixel from the planes `from` to the planes `to` if it is nearer
-     * there. A pixel at equal depth is not copied. The depths of `from` are first multiplied by `scale`. Keys are not
-     * copied. Sets bit x / OST_LANES of `taken` for each copied pixel.
+     * Merges the pixels x0 <= x < x1 of row y: copies each pixel that is nearer in the source planes `from` than in the
+     * target planes `to`. The depths of `from` are first multiplied by `scale`. Keys are not copied. Sets bit x /
+     * OST_LANES of `taken` for each copied pixel.
      */
     void (*merge)(const ost_planes *to, const ost_planes *from, float scale, int y, int x0, int x1, uint64_t *taken);
 } ost_splat_kernels;

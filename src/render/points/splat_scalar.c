@@ -23,7 +23,7 @@
  * through another face turned to the eye comes from the neighbour at that face, and this neighbour or a voxel in front
  * of it is nearer. If the eye is too close for this to hold, frame.c draws the entire voxel. If only face a is drawn,
  * the rectangle is that of the face, and two of the face's edges lie inside the voxel's outline. Each of these two is
- * obtained from an outline edge with a sum over a and another axis j, by reversing the sign of the term h g_j d_j.
+ * obtained from an outline edge whose inequality contains g_a d_a and g_j d_j, by reversing the sign of h g_j d_j.
  *
  * A voxel is drawn only if all its corners are beyond the near plane, so every line in the test can be treated as a
  * ray.

@@ -76,8 +76,8 @@ static int density_at(const ost_uncut *g, const int32_t at[3])
 }
 
 /*
- * Returns true if a voxel is in the subchondral plate, that is, if the voxel is close to the face, and no bone lies
- * outward of it at distances from PLATE_MM to PLATE_CLEAR_MM.
+ * Returns true if a voxel is in the subchondral plate, that is, if the voxel is close to the face, and there is no bone
+ * PLATE_MM to PLATE_CLEAR_MM outward of the voxel.
  */
 static bool in_plate(const ost_uncut *g, const int32_t at[3])
 {

@@ -7,8 +7,8 @@
 /* Compares two groups of eight pixels. Returns one bit per pixel, 1 if the pixels differ. */
 static inline uint32_t eight(__m256i a, __m256i b)
 {
-    /* saturating subtraction leaves only differences of at least OST_ANTIALIAS_LEAST nonzero; the top byte of a pixel
-     * is ignored, because it is not part of the colour */
+    /* saturating subtraction sets differences below OST_ANTIALIAS_LEAST to 0; the top byte is not part of the colour,
+     * so its difference is always set to 0 */
     const __m256i most = _mm256_or_si256(_mm256_set1_epi8(OST_ANTIALIAS_LEAST - 1),
                                          _mm256_set1_epi32((int32_t)0xff000000));
     const __m256i difference = _mm256_or_si256(_mm256_subs_epu8(a, b), _mm256_subs_epu8(b, a));

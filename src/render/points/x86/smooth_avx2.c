@@ -149,7 +149,7 @@ void ost_field_finer_avx2(const ost_field_slice *const cells[2], bool odd, uint6
     }
 }
 
-/* The methods of the following functions are explained in x86/smooth_avx512.c. */
+/* x86/smooth_avx512.c explains the methods that the following functions use. */
 enum { EIGHT = 8 };
 
 static inline __m256i all(int v)

@@ -114,7 +114,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const lanes negati
         turn_first[a] = _mm256_or_ps(_mm256_and_ps(single[c], same), _mm256_andnot_ps(same, single[b]));
         turn_second[a] = _mm256_or_ps(_mm256_and_ps(single[b], same), _mm256_andnot_ps(same, single[c]));
     }
-    /* Iteration i computes the coefficient a, b or c of each edge from the vector focal * forward, right or up. */
+    /* Iterations 0, 1 and 2 compute the coefficients a, b and c of each edge from focal * forward, right and up. */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
@@ -269,8 +269,10 @@ static inline void keys_of(lanes3 o, uint32_t first, eight *out)
     _mm256_store_si256((void *)(out->key + 4), _mm256_permute2x128_si256(a, b, 0x31));
 }
 
-/* Draws again those voxels that are so close to the eye that their rays run in both directions of an axis. Each
-   iteration uses a further combination of the signs of these directions. */
+/*
+ * Draws again those voxels that are so close to the eye that their rays run in both directions of an axis. Each
+ * iteration uses a different combination of the signs of these directions.
+ */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const unsigned inside[3], const lanes single[3],
                                unsigned live, eight *r, const ost_planes *planes)
 {

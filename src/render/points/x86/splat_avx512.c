@@ -127,7 +127,7 @@ static inline void edges_of(const ost_splat_eye *s, lanes3 o, const __m512i nega
         turn_first[a] = (__mmask16)((single[c] & same) | (single[b] & ~same));
         turn_second[a] = (__mmask16)((single[b] & same) | (single[c] & ~same));
     }
-    /* Iteration i computes the coefficient a, b or c of each edge from the vector focal * forward, right or up. */
+    /* Iterations 0, 1 and 2 compute the coefficients a, b and c of each edge from focal * forward, right and up. */
     for (int i = 0; i < 3; i++) {
         lanes m[3];
         for (int a = 0; a < 3; a++)
@@ -351,8 +351,10 @@ static inline void keys_of(lanes3 o, uint32_t first, sixteen *out)
     _mm512_store_si512(out->key + 8, _mm512_permutex2var_epi32(number, high, distance));
 }
 
-/* Draws again those voxels that are so close to the eye that their rays run in both directions of an axis. Each
-   iteration uses a further combination of the signs of these directions. */
+/*
+ * Draws again those voxels that are so close to the eye that their rays run in both directions of an axis. Each
+ * iteration uses a different combination of the signs of these directions.
+ */
 static inline void fill_inside(const ost_splat_eye *s, lanes3 o, const __mmask16 inside[3], const __mmask16 single[3],
                                __mmask16 live, sixteen *r, const ost_planes *planes)
 {
