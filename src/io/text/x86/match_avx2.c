@@ -50,8 +50,8 @@ static inline int64_t align(uint64_t *word, bool carriage)
 {
     uint64_t x = *word ^ UINT64_C(0x0a0a0a0a0a0a0a0a);
     uint64_t bits = _tzcnt_u64((x - UINT64_C(0x0101010101010101)) & ~x & UINT64_C(0x8080808080808080));
-    /* The bit 8 n + 7 marks a newline with index n. If there is no newline, n is 8; if the newline is the first
-     * byte, n is 0. Both are invalid lengths. */
+    /* The lowest set bit is 8 n + 7, where n is the index of the first newline. If there is no newline, n is 8; if byte
+     * 0 is a newline, n is 0. Both are invalid lengths. */
     *word <<= (71 - bits) & 63;
     return (int64_t)(bits >> 3) - carriage;
 }
