@@ -130,7 +130,7 @@ void ost_outline_free(ost_outline *outline)
 
 /*
  * Returns the value of a table at the point (u, v). A point outside the table is first moved to the nearest point of
- * the table's border. *beyond is set to the distance of this move.
+ * the table's border, and *beyond is set to the distance moved.
  */
 static double lookup(const ost_outline *o, const double *table, double u, double v, double *beyond)
 {
