@@ -42,7 +42,7 @@ typedef struct ost_gl_variant {
     bool frustum;     /* true to skip blocks outside the view frustum */
     bool facing;      /* true to skip points without a face toward the eye */
     bool order;       /* true to draw near blocks first */
-    /* true to skip hidden cells of 8^3 voxels; requires `frustum` and OST_GL_COMPACT; cannot be combined with
+    /* true to skip hidden cells of 8^3 voxels; requires `frustum` and OST_GL_COMPACT, and cannot be combined with
        `true_depth` */
     bool occlusion;
     /* true to compute the depths of tiles in a shader even with a software renderer; used only with `occlusion` */
@@ -57,12 +57,12 @@ typedef struct ost_gl_variant {
        voxel's centre */
     bool true_depth;
     /* true to draw a point for each brick of 4^3 voxels, which the shader traverses; requires `tight` and either
-       OST_GL_COMPACT or OST_GL_FORWARD; cannot be combined with `facing` */
+       OST_GL_COMPACT or OST_GL_FORWARD, and cannot be combined with `facing` */
     bool bricks;
     /* true to draw bricks where voxels appear small, and single voxels elsewhere */
     bool choose;
-    /* true to draw quads of visible faces instead of points; requires `frustum`, OST_GL_COMPACT and a mesher; cannot be
-       combined with other options */
+    /* true to draw quads of visible faces instead of points; requires `frustum`, OST_GL_COMPACT and a mesher, and
+       cannot be combined with other options */
     bool mesh;
     /* if greater than 0, only blocks with a slot below this number are drawn, to measure the time per block */
     int32_t slots;

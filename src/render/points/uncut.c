@@ -169,7 +169,7 @@ static cells cells_of(const ost_uncut *g)
     return (cells){(d.x + 1) / 2, (d.y + 1) / 2, (d.z + 1) / 2};
 }
 
-enum { OPEN = 1, BONE = 2 }; /* bits of the marks of cells */
+enum { OPEN = 1, BONE = 2 }; /* bits of a cell's mark */
 
 /* Marks the cells that contain bone, in the order of the voxels in memory. */
 static void mark_bone(const ost_uncut *g, uint8_t *mark)

@@ -193,7 +193,7 @@ static inline __m512i octahedral(const __m512 v[3])
 
 /*
  * Divides numbers of magnitude below 2^26 by OST_FIELD_FULL, rounding toward zero as in C. The error of the float
- * quotient is below 1, and is corrected by means of the remainder.
+ * quotient is below 1, and is corrected with the remainder.
  */
 static inline __m512i by_full(__m512i v)
 {
