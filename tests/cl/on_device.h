@@ -5,7 +5,7 @@
  * device, and OST_TEST_ONLY selects the tests:
  *
  *   OST_TEST_CL=cl:platform=rusticl RUSTICL_ENABLE=llvmpipe tests/cl/test_cl_stages
- *   OST_TEST_ONLY='cache_*' tests/cl/test_cl_open
+ *   OST_TEST_ONLY='cache_*' tests/cl/test_cl_cache
  */
 #ifndef OST_TESTS_CL_ON_DEVICE_H
 #define OST_TESTS_CL_ON_DEVICE_H

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Functions that open the device of OST_TEST_CL with the functions of OpenCL that a test passes, some of which may be
+ * replaced.
+ */
+#ifndef OST_TESTS_CL_TRY_OPEN_H
+#define OST_TESTS_CL_TRY_OPEN_H
+
+#include "cl/on_device.h"
+
+#include "cl/cl.h"
+#include "cl/kernels/shared.h"
+
+/* Returns the options in the spec of the device. */
+static inline const char *own_options(void)
+{
+    const char *colon = strchr(device_spec(), ':');
+    return colon ? colon + 1 : "";
+}
+
+/* Opens the device with these functions of OpenCL and these options, and closes it. Returns the status of opening. */
+static inline ost_status try_open(const ost_cl_api *cl, const char *text, ost_error *err)
+{
+    ost_backend *backend;
+    *err = (ost_error){0};
+    ost_status status = ost_cl_open_with(cl, text, &backend, err);
+    if (status == OST_OK) {
+        backend->ops = &ost_backend_cl;
+        ost_backend_close(backend);
+    } else {
+        assert_null(backend);
+    }
+    return status;
+}
+
+#endif
