@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests report.html: it must follow from the bundle, escape its input, have no dead links, and
- * show differences.
+ * Tests report.html: it must follow from the bundle, escape its input, have no dead links, and show differences.
  *
- * The test makes bundles from a protocol and cases written by hand. For a case with a difference, it writes
- * two traces, each with two records of a small bone.
+ * The test makes bundles from a protocol and cases written by hand. For a case with a difference, it writes two traces,
+ * each with two records of a small bone.
+ *
+ * Covers: REQ-VALIDATE
  */
-#include "harness.h"
+#include "report_cases.h"
 
 #include <dirent.h>
 #include <sys/stat.h>
@@ -15,13 +16,9 @@
 #include "core/memory_stream.h"
 #include "validation/bundle/bundle.h"
 #include "validation/bundle/check.h"
-#include "validation/bundle/copyright.h"
-#include "validation/bundle/junit.h"
 #include "validation/report/page.h"
 #include "validation/report/pictures.h"
 #include "validation/report/report.h"
-
-#define HOSTILE "<script>alert('x')</script>\"><img src=x onerror=\"y\">&\x01"
 
 enum { PATH = 512 };
 static char scratch[64];
@@ -32,52 +29,6 @@ static ost_status put_file(void *user, const char *name, const void *bytes, size
 }
 
 /* -------------------------------------------------------------- a bundle */
-
-typedef struct kind {
-    const char *tier, *text, *verdict;
-} kind;
-static const kind equal_kind = {"standard", "plain", "equal"}, reduced = {"smoke", "plain", "equal"},
-                  differing = {"standard", "plain", "differs"}, hostile = {"standard", HOSTILE, "differs"};
-
-static json_t *protocol_of(const kind *k)
-{
-    json_t *p = json_pack("{s:i,s:s,s:i,s:s,s:[i,i],s:s,s:b,s:b,s:s,s:s,s:[s,s],s:[{s:s,s:s,s:b,s:s},{s:s,s:s,s:b,s:s},"
-                          "{s:s,s:s,s:b,s:s}]}",
-                          "schema", EVIDENCE_FORMAT, "version", k->text, "arithmetic", 1, "tier", k->tier, "shard", 1,
-                          1, "only", k == &hostile ? k->text : "", "cpu_only", 0, "opencl", 1, "accept", k->text,
-                          "seed", k == &hostile ? k->text : "7", "cases", "session/0", "session/1", "backends", "name",
-                          "ref", "what", "the reference", "available", 1, "reason", "", "name", "cpu", "what", k->text,
-                          "available", 1, "reason", "", "name", "cl", "what", k->text, "available", 0, "reason",
-                          k->text);
-    assert_non_null(p);
-    return p;
-}
-
-static json_t *cases_of(const kind *k)
-{
-    json_t *cases = json_array();
-    for (int i = 0; i < 2; i++) {
-        const bool plain = i == 0 || strcmp(k->verdict, "equal") == 0;
-        json_t *result = plain ? json_pack("{s:s}", "verdict", "equal")
-                               : json_pack("{s:s,s:s,s:i,s:i,s:[i,i,i],s:i,s:i}", "verdict", k->verdict, "stage",
-                                           "tick", "item", 12, "different_voxels", 3, "voxel", 33, 2, 65, "reference",
-                                           -5, "got", 700);
-        if (k == &hostile && !plain) {
-            json_object_del(result, "voxel");
-            json_object_set_new(result, "word", json_string(k->text));
-            json_object_set_new(result, "class", json_string(k->text));
-            json_object_set_new(result, "stage", json_string(k->text));
-        }
-        json_array_append_new(cases, json_pack("{s:s,s:s,s:[{s:s,s:i,s:s}],s:{s:o,s:{s:s}}}", "id",
-                                               k == &hostile ? k->text
-                                               : i           ? "session/1"
-                                                             : "session/0",
-                                               "input_sha256", "00", "reference", "stage", "tick", "item", 0, "sha256",
-                                               "00", "results", "cpu", result, "cl", "verdict", "not run"));
-    }
-    assert_int_equal(json_array_size(cases), 2);
-    return cases;
-}
 
 static void put_text_file(bundle *b, const char *name, const char *text)
 {
@@ -484,110 +435,6 @@ static void pictures_of_shards_are_collected(void **state)
     json_decref(cases);
 }
 
-/* -------------------------------------------------------- nothing was compared */
-
-typedef struct written {
-    char verdict[16], junit[2048], tap[2048];
-} written;
-
-/*
- * Receives a file of a bundle in which nothing was compared. README.md and the page must not contain the word EQUAL.
- * Stores the texts of junit.xml and results.tap.
- */
-static ost_status receive_file(void *user, const char *name, const void *bytes, size_t size, ost_error *err)
-{
-    written *w = user;
-    (void)err;
-    if (strcmp(name, "README.md") == 0 || strcmp(name, REPORT_FILE) == 0)
-        assert_null(strstr(bytes, "EQUAL"));
-    if (strcmp(name, "junit.xml") == 0)
-        snprintf(w->junit, sizeof w->junit, "%.*s", (int)size, (const char *)bytes);
-    if (strcmp(name, "results.tap") == 0)
-        snprintf(w->tap, sizeof w->tap, "%.*s", (int)size, (const char *)bytes);
-    return OST_OK;
-}
-
-static void write_all(const json_t *protocol, const json_t *cases, written *w)
-{
-    ost_error err = {0};
-    json_t *summary;
-    assert_ok(evidence_summary(protocol, cases, &summary, &err));
-    snprintf(w->verdict, sizeof w->verdict, "%s", evidence_text(summary, "verdict"));
-    assert_int_equal(json_is_true(json_object_get(summary, "equal")), strcmp(w->verdict, "EQUAL") == 0);
-    if (strcmp(w->verdict, "NOT COMPARED") == 0) {
-        assert_int_equal(json_integer_value(json_object_get(summary, "compared")), 0);
-        assert_false(json_is_true(json_object_get(summary, "evidence")));
-    }
-    json_decref(summary);
-    assert_ok(evidence_write(protocol, cases, receive_file, w, &err));
-    assert_ok(junit_write(protocol, cases, NULL, NULL, receive_file, w, &err));
-    assert_ok(report_write(NULL, protocol, cases, receive_file, w, &err));
-}
-
-/*
- * If all cases were refused, if only the reference ran, or if no backend was available, nothing
- * may be reported as equal.
- */
-static void nothing_compared_is_not_equal(void **state)
-{
-    enum { REFUSED, ALONE, NOT_RUN, WAYS };
-    (void)state;
-    for (int way = 0; way < WAYS; way++) {
-        written w = {0};
-        json_t *protocol = protocol_of(&equal_kind), *cases = cases_of(&equal_kind);
-        json_t *backends = json_object_get(protocol, "backends");
-        if (way == ALONE)
-            while (json_array_size(backends) > 1)
-                json_array_remove(backends, 1);
-        if (way == NOT_RUN)
-            json_object_set_new(json_array_get(backends, 1), "available", json_false());
-        for (size_t i = 0; i < json_array_size(cases); i++) {
-            json_t *one = json_array_get(cases, i), *results = json_object_get(one, "results");
-            if (way == REFUSED)
-                json_object_set_new(json_array_get(json_object_get(one, "reference"), 0), "stage",
-                                    json_string("failed"));
-            if (way == ALONE)
-                json_object_clear(results);
-            if (way == NOT_RUN)
-                json_object_set_new(json_object_get(results, "cpu"), "verdict", json_string("not run"));
-        }
-        write_all(protocol, cases, &w);
-        assert_string_equal(w.verdict, "NOT COMPARED");
-        assert_non_null(strstr(w.tap, "not ok 1 - something was compared\n"));
-        assert_non_null(strstr(w.tap, way == ALONE ? "\n1..1\n" : "\n1..5\n"));
-        assert_non_null(strstr(w.junit, "failures=\"1\""));
-        assert_non_null(strstr(w.junit, "<failure message=\"nothing was compared with the reference\"/>"));
-        assert_null(strstr(w.junit, "\"/>\n")); /* junit.xml must not contain a case that passed */
-        json_decref(protocol);
-        json_decref(cases);
-    }
-}
-
-/*
- * If one of two cases was refused, the verdict comes from the other case. A refused case must not be reported as a
- * success.
- */
-static void refused_case_is_no_success(void **state)
-{
-    ost_error err = {0};
-    json_t *summary, *protocol = protocol_of(&equal_kind), *cases = cases_of(&equal_kind);
-    (void)state;
-    json_object_set_new(json_array_get(json_object_get(json_array_get(cases, 0), "reference"), 0), "stage",
-                        json_string("failed"));
-    assert_ok(evidence_summary(protocol, cases, &summary, &err));
-    assert_string_equal(evidence_text(summary, "verdict"), "EQUAL");
-    assert_int_equal(json_integer_value(json_object_get(summary, "compared")), 1);
-    assert_int_equal(json_integer_value(json_object_get(summary, "refused")), 1);
-    json_decref(summary);
-    json_array_remove(cases, 0);
-    assert_ok(evidence_summary(protocol, cases, &summary, &err));
-    assert_string_equal(evidence_text(summary, "verdict"), "NOT COMPLETE");
-    assert_false(json_is_true(json_object_get(summary, "equal")));
-    json_decref(summary);
-    json_decref(protocol);
-    json_decref(cases);
-}
-
 static int make_scratch(void **state)
 {
     (void)state;
@@ -602,35 +449,9 @@ static int clear_scratch(void **state)
     return 0;
 }
 
-/* Debian's short names of licences (machine-readable copyright format 1.0) must be converted to SPDX identifiers. */
-static void licences_of_packages_are_spdx(void **state)
-{
-    static const char *const pairs[][2] = {{"Expat", "MIT"},
-                                           {"GPL-2+", "GPL-2.0-or-later"},
-                                           {"LGPL-2.1", "LGPL-2.1-only"},
-                                           {"BSD-3-clause and expat", "BSD-3-Clause AND MIT"},
-                                           {"GPL-2 or GPL-3+ or Zlib", "GPL-2.0-only OR GPL-3.0-or-later OR Zlib"},
-                                           {"public-domain", ""},
-                                           {"Expat and", ""},
-                                           {"Expat MIT", ""},
-                                           {"", ""},
-                                           {"GPL-2+ with OpenSSL exception", ""}};
-    char out[COPYRIGHT_LICENCE];
-    (void)state;
-    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++) {
-        copyright_spdx(pairs[i][0], out);
-        assert_string_equal(out, pairs[i][1]);
-    }
-    assert_int_equal(copyright_of("../../../etc/passwd", out, NULL), OST_OK);
-    assert_string_equal(out, "");
-    assert_int_equal(copyright_of("a-package-that-does-not-exist", out, NULL), OST_OK);
-    assert_string_equal(out, "");
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(licences_of_packages_are_spdx),
         cmocka_unit_test(page_follows_from_bundle),
         cmocka_unit_test(verdict_is_first),
         cmocka_unit_test(input_is_escaped),
@@ -640,8 +461,6 @@ int main(void)
         cmocka_unit_test(counts_are_formatted),
         cmocka_unit_test(changed_byte_is_detected),
         cmocka_unit_test(pictures_of_shards_are_collected),
-        cmocka_unit_test(nothing_compared_is_not_equal),
-        cmocka_unit_test(refused_case_is_no_success),
     };
     return cmocka_run_group_tests(tests, make_scratch, clear_scratch);
 }
