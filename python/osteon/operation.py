@@ -14,6 +14,8 @@ origin.
 Threads: tick() locks the backend, like every call on it. A running loop locks the backend until it ends: other
 calls on the backend and its objects wait. move(), motor, state() and changes() can be called while the loop runs, by
 one thread.
+
+The file has more than 500 lines, because most of them document the methods of one class.
 """
 import threading
 import weakref

@@ -4,6 +4,9 @@
  * tools, digests and reports, byte by byte. The tests use both kernel sets, several work-group
  * sizes and two orders of the work items, and they transfer large data in parts. All tests of a
  * kernel set together enter every path that core/paths.h lists.
+ *
+ * The file has more than 500 lines, because the last test counts the paths that all tests of the process entered.
+ *
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CUB-2, AR-CUB-3, AR-CHK-1, AR-CHK-2, AR-CHK-3, AR-VOX-1..7,
  * AR-REM-1, AR-REM-2, AR-REM-3,
  * AR-REM-5, AR-REM-6, AR-CLS-1, AR-DIG-2, REQ-CL, REQ-CL-SETS

@@ -4,6 +4,9 @@
  * Random changes are made to the texts. Summary, digest, geometry, grid, report and every error must be
  * equal.
  *
+ * The file has more than 500 lines, because every test generates its texts and compares the readers with the same
+ * functions.
+ *
  * Covers: AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4, AR-CT-5, AR-CT-6, AR-DIG-6
  */
 #include "backends.h"

@@ -3,6 +3,8 @@
  * Tests mesh files: the same box in every format must give the same mesh, and reading back a written STL
  * file must give the same mesh. Further tests check units and the errors for broken files.
  *
+ * The file has more than 500 lines, because most tests need the writers of all formats, which are defined here.
+ *
  * Covers: AR-MESH-1, AR-MESH-2
  */
 #include "harness.h"

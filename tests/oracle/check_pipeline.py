@@ -7,6 +7,8 @@ those of the oracle.
     STL -------osteon voxelize---> TOOL.nrrd           |  of docs/spec/arithmetic.md alone
     path CSV --osteon ream-------> BONE2.nrrd, report  |  (osteon_oracle*.py)
 
+The file has more than 500 lines, because each stage takes the bones and tools of the stages before it.
+
 Covers: AR-LEN-2, AR-LEN-3, AR-LEN-4, AR-LEN-5, AR-GRID-2, AR-GRID-5, AR-POSE-2, AR-POSE-5, AR-POSE-6, AR-PATH-1, AR-PATH-2, AR-PATH-3,
 AR-PATH-4, AR-PATH-5, AR-PATH-6, AR-PATH-7, AR-CT-1, AR-CT-2, AR-CT-3, AR-CT-4,
 AR-CT-5, AR-CT-6, AR-CT-7, AR-CT-8, AR-CUB-1, AR-CUB-2, AR-CUB-3, AR-CUB-4, AR-CUB-5, AR-CHK-1,

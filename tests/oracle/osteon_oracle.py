@@ -11,6 +11,9 @@ the two (or the document) is wrong.
     osteon_oracle_events  poses -> sweep -> map -> removal
     osteon_oracle_files   NRRD files
 
+The file has more than 500 lines, because each of its rules uses rules that are defined before it, from numbers to
+bones and their digests.
+
 If this file is run as a program, it checks itself against the examples of the document.
 """
 

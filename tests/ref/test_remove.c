@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Compares removal with results for small grids computed by hand, and then checks the laws AR-LAW.
+ *
+ * The file has more than 500 lines, because all tests describe one operation, and the results computed by hand are the
+ * basis of the laws, which compare only results with each other.
+ *
  * Covers: AR-REM-1..6, AR-CLS-1, AR-LAW-1, AR-LAW-2, AR-LAW-3, AR-LAW-5, AR-LAW-6
  */
 #include "ref/scene.h"

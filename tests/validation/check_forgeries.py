@@ -9,6 +9,8 @@ independent of osteon's (check_changes.py). Forgeries that can be found only wit
 signature are tested too; for these, verify must print "valid". The rows of
 docs/qualification/forgeries.md must be exactly these forgeries.
 
+The file has more than 500 lines, because it is the only list of the forgeries.
+
     OST_FORGERY=NAME   tests only this forgery and prints the complete output of verify
 
 Covers: REQ-EVIDENCE

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The simulated GLFW and OpenGL of fake.h: one window, whose state a test sets and reads through `the_fake`.
+ *
+ * The file has more than 500 lines, because GLFW and OpenGL share the state of this window.
+ */
 #include "tests/window/fake.h"
 
 #include <stdio.h>
