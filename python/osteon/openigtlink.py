@@ -10,7 +10,7 @@
 
 docs/reference/openigtlink.md lists the messages with their units and rates, and the rules for clients. The package
 pyigtl converts the messages; this module reads and writes the sockets, because the server of pyigtl accepts messages of
-any size and does not check the CRC.
+any size and does not check the CRC. _openigtlink.py divides a client's data into messages and packs the server's.
 
 The protocol has neither authentication nor encryption. The server listens on the loopback address by default.
 
@@ -18,38 +18,27 @@ Threads: a Server and its operation are used by one thread. stop() can be called
 """
 import argparse
 import collections
-import json
 import math
 import selectors
 import signal
 import socket
-import struct
 import sys
 import time
-from typing import Any, Callable, Counter, Dict, Iterable, List, Optional, Set, Tuple
+from typing import Any, Callable, Counter, Dict, List, Optional, Set, Tuple
 
 import numpy as np
 
+from osteon._openigtlink import (NEWTON, NEWTON_METRE, Broken, ChangedBone, Messages, Reader, Refused, SensorMessage,
+                                 igtl)
 from osteon.backend import Backend
-from osteon.errors import FileError, OsteonError, RangeError, UnavailableError, UsageError
-from osteon.event import Pose
+from osteon.errors import FileError, OsteonError, UnavailableError, UsageError
 from osteon.force import ForceParams
 from osteon.operation import LiveState, LoopReport, Operation
 from osteon.world import World
 
-try:
-    import pyigtl.messages as igtl
-    _Message: Any = igtl.MessageBase
-except ImportError:  # Server raises the error, so that the module can be imported for its documentation
-    igtl = None
-    _Message = object
-
 __all__ = ["NEWTON", "NEWTON_METRE", "SensorMessage", "Server", "main"]
 
 PORT = 18944
-HEADER = struct.Struct("> H 12s 20s Q Q Q")
-MAX_BODY = 4096          # longest body of a message that the server uses, in bytes
-MAX_SKIPPED = 1 << 30    # longest body of another message, which is skipped without being stored
 MAX_OUT = 1 << 18        # state messages are left out while so many bytes wait for a client
 MAX_CLIENTS = 8
 BACKLOG = 64
@@ -57,69 +46,11 @@ ANSWER_S = 0.02          # longest time until an answer, for ticks that do not a
 POLL_S = 1e-4            # interval at which the loop's state is read while an answer is due
 JUMP_MM, JUMP_COS = 20.0, math.cos(math.radians(30))
 
-_FLIP = np.diag([-1.0, -1.0, 1.0, 1.0])  # between LPS and RAS
-_FLIP3 = (-1.0, -1.0, 1.0)
-
-
-def _unit(*parts: Tuple[int, int]) -> int:
-    """Packs (unit, exponent) pairs into the UNIT field of a SENSOR message, without a prefix."""
-    packed = 0
-    for number, (unit, exponent) in enumerate(parts):
-        packed |= unit << (54 - 10 * number) | (exponent & 15) << (50 - 10 * number)
-    return packed
-
-
-NEWTON = _unit((0x0B, 1))
-"""UNIT field of a force."""
-NEWTON_METRE = _unit((0x0B, 1), (0x01, 1))
-"""UNIT field of a torque."""
-
-
-class SensorMessage(_Message):  # type: ignore[misc]
-    """A SENSOR message, which pyigtl 0.3 does not contain.
-
-    Parameters
-    ----------
-    values : sequence of float
-        At most 255 values.
-    unit : int
-        The UNIT field: NEWTON or NEWTON_METRE.
-
-    Notes
-    -----
-    A client of pyigtl receives these messages after
-
-        pyigtl.messages.message_type_to_class_constructor["SENSOR"] = osteon.openigtlink.SensorMessage
-    """
-
-    def __init__(self, values: Iterable[float] = (), unit: int = 0, timestamp: Optional[float] = None,
-                 device_name: Optional[str] = None) -> None:
-        super().__init__(timestamp=timestamp, device_name=device_name)
-        self._message_type = "SENSOR"
-        self.values, self.unit = [float(v) for v in values], unit
-        self._valid_message = True
-
-    def _pack_content(self) -> bytes:
-        return struct.pack(f"> B B Q {len(self.values)}d", len(self.values), 0, self.unit, *self.values)
-
-    def _unpack_content(self, content: bytes) -> None:
-        count, _, self.unit = struct.unpack_from("> B B Q", content)
-        self.values = list(struct.unpack_from(f"> {count}d", content, 10))
-
-
-class _Broken(Exception):
-    """The data of a client are not OpenIGTLink; the connection is closed."""
-
-
-class _Refused(Exception):
-    """A message is refused; the connection remains open."""
-
 
 class _Client:
     def __init__(self, connection: socket.socket, name: str) -> None:
         self.socket, self.name = connection, name
-        self.received, self.out = bytearray(), bytearray()
-        self.skipped = 0                       # bytes of the present message that are still to be skipped
+        self.reader, self.out = Reader(), bytearray()
         self.answer: Optional[Tuple[int, float]] = None  # number of ticks, and time, at which the answer is sent
         self.image = True                      # True if the newest image is to be sent
         self.counts: Counter[str] = collections.Counter()
@@ -178,7 +109,6 @@ class Server:
         self._last: Optional[np.ndarray] = None
         self._stopped = False
         self._fault = ""
-        self._box: Optional[Tuple[np.ndarray, np.ndarray]] = None  # first voxel and end of the changed bone, x, y, z
         self._classes_met: Set[str] = set()
         self._removed = 0
         self._image_bytes: Optional[bytes] = None
@@ -224,14 +154,11 @@ class Server:
         OsteonError
             If the operation failed.
         """
-        bone = self.operation.world.bone
         self._classes = self.operation.world.classes
-        self._voxels = bone.voxels()
-        self._active = np.zeros(bone.geometry.shape, bool)
-        self._take()
+        self._bone = ChangedBone(self.operation)
         self.operation.motor = False  # until the first pose
         self.operation.start(realtime=realtime)
-        self._epoch = time.time()
+        self._messages = Messages(self.frame, time.time())
         now = time.monotonic()
         end = math.inf if seconds is None else now + seconds
         state_at, image_at = now, now
@@ -253,7 +180,7 @@ class Server:
                 self._check(state, now)
                 self._answer(state, now)
                 if now >= state_at:
-                    self._broadcast(self._state_messages(state) + self._text("State", state, self._report(state)))
+                    self._broadcast(self._messages.state(state) + self._messages.report(state))
                     state_at = max(state_at + self._period, now)
                 if now >= image_at:
                     self._changes(state)
@@ -350,7 +277,7 @@ class Server:
                 self._receive(client, data)
         except BlockingIOError:
             pass
-        except _Broken as error:
+        except Broken as error:
             self.counts["broken clients"] += 1
             self._close(client, str(error))
         except OSError as error:
@@ -387,80 +314,41 @@ class Server:
     # ------------------------------------------------------------------ input
 
     def _receive(self, client: _Client, data: bytes) -> None:
-        if client.skipped:
-            part = min(client.skipped, len(data))
-            client.skipped -= part
-            data = data[part:]
-        client.received += data
-        start, held = 0, client.received
-        while len(held) - start >= HEADER.size:
-            version, kind, name, _, size, crc = HEADER.unpack_from(held, start)
-            if not 1 <= version <= 3:
-                raise _Broken(f"not an OpenIGTLink message: header version {version}, expected 1 to 3")
-            if size > MAX_SKIPPED:
-                raise _Broken(f"a message of {size} bytes; expected at most {MAX_SKIPPED}")
-            type_name, device = (part.rstrip(b"\0 ").decode("ascii", "backslashreplace") for part in (kind, name))
-            if type_name not in ("TRANSFORM", "STRING") or size > MAX_BODY:
-                self._tell(client, "ignored", f"{type_name} {device}: a message of {size} bytes that the server does not "
-                           "use; it is ignored")
-                start += HEADER.size
-                available = min(size, len(held) - start)
-                start += available
-                client.skipped = size - available
+        for received in client.reader.feed(data):
+            about = f"{received.kind} {received.device}"
+            if received.body is None:
+                self._tell(client, "ignored", f"{about}: a message of {received.size} bytes that the server does not use; it "
+                           "is ignored")
                 continue
-            if len(held) - start < HEADER.size + size:
-                break
-            body = bytes(held[start + HEADER.size:start + HEADER.size + size])
-            header = bytes(held[start:start + HEADER.size])
-            start += HEADER.size + size
             try:
-                self._message(client, type_name, device, header, body, crc)
-            except _Refused as error:
-                self._tell(client, "refused", f"{type_name} {device}: {error}")
-        del client.received[:start]
+                self._message(client, received.kind, received.device, received.unpack())
+            except Refused as error:
+                self._tell(client, "refused", f"{about}: {error}")
 
-    def _message(self, client: _Client, kind: str, device: str, header: bytes, body: bytes, crc: int) -> None:
-        if igtl.CRC64(body) != crc:
-            raise _Refused("the CRC is wrong; the message is ignored")
-        message = igtl.MessageBase.create_message(kind)
-        try:
-            message.unpack(igtl.MessageBase.parse_header(header), body)
-        except Exception as error:  # pylint: disable=broad-except  # pyigtl does not check lengths and encodings
-            raise _Refused(f"cannot be read: {error}") from None
+    def _message(self, client: _Client, kind: str, device: str, message: Any) -> None:
         if kind == "TRANSFORM" and device == self.transform:
             self._pose(client, message.matrix)
         elif kind == "STRING" and device == "Motor":
             self._motor(client, message.string)
         else:
-            raise _Refused(f"expected TRANSFORM {self.transform} or STRING Motor; it is ignored")
+            raise Refused(f"expected TRANSFORM {self.transform} or STRING Motor; it is ignored")
 
     def _mover_is(self, client: _Client) -> None:
         """Checks that a client may move the tool."""
         if self._mover not in (None, client) and time.monotonic() - self._moved_at <= self.silent_s:
             assert self._mover is not None
-            raise _Refused(f"{self._mover.name} moves the tool; it is ignored")
+            raise Refused(f"{self._mover.name} moves the tool; it is ignored")
 
     def _motor(self, client: _Client, text: str) -> None:
         if text not in ("on", "off"):
-            raise _Refused(f"{text[:20]!r}: expected on or off")
+            raise Refused(f"{text[:20]!r}: expected on or off")
         self._mover_is(client)
         self.motor = text == "on"
         if client is self._mover:
             self.operation.motor = self.motor
 
     def _pose(self, client: _Client, matrix: Any) -> None:
-        matrix = np.asarray(matrix, np.float64)
-        if not np.isfinite(matrix).all():
-            raise _Refused("the matrix contains NaN or an infinite number; it is ignored")
-        turn = matrix[:3, :3]
-        if np.abs(turn.T @ turn - np.eye(3)).max() > 2e-3 or np.linalg.det(turn) < 0:
-            raise _Refused("the matrix is not a rotation and a translation; it is ignored")
-        if self.frame == "ras":
-            matrix = _FLIP @ matrix @ _FLIP
-        try:
-            pose = Pose.of_matrix(matrix)
-        except RangeError as error:
-            raise _Refused(f"{error}; it is ignored") from None
+        matrix, pose = self._messages.received_pose(matrix)
         self._mover_is(client)
         now = time.monotonic()
         lifted = client is not self._mover or self._last is None or now - self._moved_at > self.silent_s
@@ -482,68 +370,20 @@ class Server:
 
     # ----------------------------------------------------------------- output
 
-    def _time(self, state: LiveState) -> float:
-        return self._epoch + state.t_ns * 1e-9
-
-    def _vector(self, values: Iterable[float]) -> List[float]:
-        signs = _FLIP3 if self.frame == "ras" else (1.0, 1.0, 1.0)
-        return [v * sign + 0.0 for v, sign in zip(values, signs)]  # the sum is never -0.0
-
-    def _state_messages(self, state: LiveState) -> bytes:
-        """Packs the pose of the tool, the hand force and torque, and the contact force."""
-        matrix, at = state.pose.matrix_mm(), self._time(state)
-        if self.frame == "ras":
-            matrix = _FLIP @ matrix @ _FLIP
-        packed: bytes = igtl.TransformMessage(matrix, timestamp=at, device_name="CutterToBone").pack()
-        for name, values, unit in (("HandForce", self._vector(state.force_n), NEWTON),
-                                   ("HandTorque", self._vector(state.torque_nm), NEWTON_METRE),
-                                   ("ContactForce", [state.contact_n], NEWTON)):
-            packed += SensorMessage(values, unit, timestamp=at, device_name=name).pack()
-        return packed
-
-    def _text(self, name: str, state: LiveState, content: Dict[str, Any]) -> bytes:
-        packed: bytes = igtl.StringMessage(json.dumps(content), timestamp=self._time(state), device_name=name).pack()
-        return packed
-
-    def _report(self, state: LiveState) -> Dict[str, Any]:
-        return {"t_s": state.t_ns / 1e9, "hand_force_n": [round(v, 6) for v in self._vector(state.force_n)],
-                "hand_torque_nm": [round(v, 9) for v in self._vector(state.torque_nm)],
-                "contact_force_n": round(state.contact_n, 6), "rpm": state.rpm,
-                "removed_voxels": state.removed_voxels, "fault": state.fault}
-
     def _event(self, state: LiveState, content: Dict[str, Any]) -> None:
-        self._broadcast(self._text("Event", state, {"t_s": state.t_ns / 1e9, **content}))
+        self._broadcast(self._messages.text("Event", state, {"t_s": state.t_ns / 1e9, **content}))
 
     def _answer(self, state: LiveState, now: float) -> None:
         data = b""
         for client in self._clients:
             if client.answer and (state.ticks >= client.answer[0] or now >= client.answer[1]):
                 client.answer = None
-                data = data or self._state_messages(state)
+                data = data or self._messages.state(state)
                 self._offer(client, data)
-
-    def _take(self) -> np.ndarray:
-        """Takes the changed chunks, and returns the densities of the voxels removed since the last call."""
-        found: List[np.ndarray] = []
-        for (x, y, z), active in self.operation.changes():
-            box = slice(z, z + active.shape[0]), slice(y, y + active.shape[1]), slice(x, x + active.shape[2])
-            before = self._active[box]
-            active = active[:before.shape[0], :before.shape[1], :before.shape[2]]
-            gone = before & ~active
-            if gone.any():
-                densities = self._voxels[box]
-                found.append(densities[gone])
-                densities[gone] = 0
-                lo = np.array([x, y, z])
-                hi = lo + before.shape[::-1]
-                self._box = (lo, hi) if self._box is None else (np.minimum(lo, self._box[0]),
-                                                                np.maximum(hi, self._box[1]))
-            self._active[box] = active
-        return np.concatenate(found) if found else np.empty(0, np.int16)
 
     def _changes(self, state: LiveState) -> None:
         """Sends events about the bone that was removed, and makes a new image of the changed bone."""
-        removed = self._take()
+        removed = self._bone.take()
         if not removed.size:
             return
         borders = [border for _, border in self._classes]
@@ -560,30 +400,18 @@ class Server:
         self._image_bytes = None
         for client in self._clients:
             client.image = True
-        self._image_at = self._time(state)
+        self._image_at = self._messages.time(state)
 
     def _images(self) -> None:
         """Sends the newest image to the clients that have received everything before."""
-        if self._box is None:
+        if self._bone.box is None:
             return
         for client in self._clients:
             if client.image and not client.out:
                 if self._image_bytes is None:
-                    self._image_bytes = self._image()
+                    self._image_bytes = self._messages.image(self._bone, self._image_at)
                 client.image = False
                 self._put(client, self._image_bytes)
-
-    def _image(self) -> bytes:
-        assert self._box is not None
-        lo, hi = self._box
-        geometry = self.operation.geometry
-        matrix = np.diag([s * 1e-9 for s in geometry.spacing_pm] + [1.0])
-        matrix[:3, 3] = [(o + int(n) * s) * 1e-9 for o, n, s in zip(geometry.origin_pm, lo, geometry.spacing_pm)]
-        if self.frame == "ras":
-            matrix = _FLIP @ matrix
-        part = np.ascontiguousarray(self._voxels[lo[2]:hi[2], lo[1]:hi[1], lo[0]:hi[0]])
-        packed: bytes = igtl.ImageMessage(part, matrix, self.frame, timestamp=self._image_at, device_name="Bone").pack()
-        return packed
 
 
 # ----------------------------------------------------------------------- command

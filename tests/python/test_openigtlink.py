@@ -22,7 +22,7 @@ import pytest
 import osteon
 
 igtl = pytest.importorskip("pyigtl.messages", reason="pyigtl is not installed")
-from osteon import openigtlink, session  # noqa: E402  pylint: disable=wrong-import-position
+from osteon import _openigtlink, openigtlink, session  # noqa: E402  pylint: disable=wrong-import-position
 
 FLIP = np.diag([-1.0, -1.0, 1.0, 1.0])
 TYPES = {"TRANSFORM": igtl.TransformMessage, "STRING": igtl.StringMessage, "IMAGE": igtl.ImageMessage,
@@ -308,11 +308,11 @@ def test_hostile_data(serve):
     refused(moved(FAR, "Other"), "TRANSFORM Other: expected TRANSFORM ToolToBone or STRING Motor")
     refused(text("Motor", "fast"), "'fast': expected on or off")
     body = b"\0\x05\xff"
-    header = openigtlink.HEADER.pack(1, b"STRING", b"Motor", 0, len(body), igtl.CRC64(body))
+    header = _openigtlink.HEADER.pack(1, b"STRING", b"Motor", 0, len(body), igtl.CRC64(body))
     refused(header + body, "STRING Motor: cannot be read")
-    refused(openigtlink.HEADER.pack(2, b"TRANSFORM", b"ToolToBone", 0, 3, igtl.CRC64(b"abc")) + b"abc",
+    refused(_openigtlink.HEADER.pack(2, b"TRANSFORM", b"ToolToBone", 0, 3, igtl.CRC64(b"abc")) + b"abc",
             "TRANSFORM ToolToBone: cannot be read")
-    refused(openigtlink.HEADER.pack(1, b"TRANSFORM", b"ToolToBone", 0, 1 << 62, 0), f"a message of {1 << 62} bytes")
+    refused(_openigtlink.HEADER.pack(1, b"TRANSFORM", b"ToolToBone", 0, 1 << 62, 0), f"a message of {1 << 62} bytes")
     refused(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n" + bytes(40), "not an OpenIGTLink message")
     image = igtl.ImageMessage(np.zeros((200, 400, 400), np.int16), device_name="CT").pack()  # 64 MB: skipped, not stored
     other = Peer(server)
