@@ -2,7 +2,7 @@
 /*
  * Measurements of osteon and of a baseline in one run: the parts that all suites share.
  *
- *   suite --> rows --> table, JSON, Markdown (src/app/verbs/cmd_bench.c)
+ *   suite --> rows --> table, JSON, Markdown (src/app/bench/)
  *
  *   a row    ours      median times of osteon and of the baseline, whose repetitions
  *            baseline  alternate in the same process: A B A B ...

@@ -7,8 +7,8 @@
  * The runs are compared by a ratio: the baseline's shortest time divided by osteon's shortest time. The two are
  * measured alternately on the same machine, so the ratio depends little on the machine and on background load.
  */
-#ifndef OST_APP_VERBS_BENCH_AGAINST_H
-#define OST_APP_VERBS_BENCH_AGAINST_H
+#ifndef OST_APP_BENCH_AGAINST_H
+#define OST_APP_BENCH_AGAINST_H
 
 #include "app/common/app.h"
 #include "app/common/options.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "app/verbs/bench_against.h"
+#include "app/bench/against.h"
 
 #include <stdlib.h>
 #include <string.h>
