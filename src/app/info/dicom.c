@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Lists the series of a folder of DICOM files, with the attributes that distinguish them. */
-#include "app/verbs/info_dicom.h"
+#include "app/info/info.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -48,8 +48,12 @@ static void print_series(const app_state *app, const ost_dicom_series *s)
         print_line(app, "    UID %s", s->uid);
 }
 
-ost_status info_dicom(const app_state *app, const char *name, const ost_volume_options *options, bool *found,
-                      ost_geometry *geometry, ost_error *err)
+/*
+ * Lists the series of a folder of DICOM files. If the options select one series that can be read, sets *found to true
+ * and *geometry to its geometry. Returns OST_ERR_INPUT if no file is DICOM.
+ */
+static ost_status list_series(const app_state *app, const char *name, const ost_volume_options *options, bool *found,
+                              ost_geometry *geometry, ost_error *err)
 {
     ost_dicom_list list;
     char a[FORMAT_TEXT], b[FORMAT_TEXT], c[FORMAT_TEXT];
@@ -82,5 +86,34 @@ ost_status info_dicom(const app_state *app, const char *name, const ost_volume_o
             print_series(app, &list.items[i]);
     }
     ost_dicom_list_free(&list);
+    return status;
+}
+
+ost_status info_folder(const app_state *app, const char *name, const dicom_options *dicom, bool digest, ost_error *err)
+{
+    ost_volume_options options = {.clamp = false};
+    ost_geometry geometry;
+    ost_volume volume = {0};
+    ost_digest root;
+    bool found;
+    load_dicom_options(dicom, &options);
+    put_text(app->result, "kind", "ct");
+    put_text(app->result, "format", "DICOM");
+    ost_status status = list_series(app, name, &options, &found, &geometry, err);
+    if (status != OST_OK)
+        return status;
+    if (found)
+        info_put_geometry(app, &geometry);
+    if (!digest)
+        return OST_OK;
+    status = ost_volume_read(name, &options, &volume, NULL, err);
+    if (status == OST_OK)
+        status = ost_digest_volume(OST_GRID_RECT, &volume, &root, err);
+    ost_volume_free(&volume);
+    if (status == OST_OK) {
+        char hex[OST_DIGEST_HEX];
+        put_digest(app->result, "sha256", &root);
+        print_line(app, "  grid %s", ost_digest_hex(&root, hex));
+    }
     return status;
 }
