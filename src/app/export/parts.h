@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Changes a loaded volume before `osteon export` writes it. */
-#ifndef OST_APP_VERBS_EXPORT_PARTS_H
-#define OST_APP_VERBS_EXPORT_PARTS_H
+#ifndef OST_APP_EXPORT_PARTS_H
+#define OST_APP_EXPORT_PARTS_H
 
 #include "app/input/load.h"
 

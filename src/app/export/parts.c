@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "app/verbs/export_parts.h"
+#include "app/export/parts.h"
 
 #include <string.h>
 
