@@ -2,7 +2,9 @@
 /*
  * The parts of `osteon validate`.
  *
- *   cmd_validate.c   the options, the choice of the task, and workers
+ *   cmd_validate.c   the options
+ *   args.c           checks of the options
+ *   task.c           the choice of the task, and workers
  *   run.c            a campaign, and the bundle of its results
  *   merge.c          merging the bundles of shards
  *   print.c          the printed report, and the exit status
@@ -22,11 +24,25 @@ typedef struct validate_args {
     int tier; /* index in "smoke|standard|full" */
     int64_t seed, from, to, limit_s, jobs;
     int64_t faults, suite_limit_s;
+    int shard_index, shard_count; /* the values of --shard; 1 and 1 if the option is not given */
     bool cpu_only, faults_only, from_parent, apart;
     user_files own;
     json_t *record; /* the evidence's record of the user's files; NULL without such files */
     sign_key *key;  /* the key of --sign, or NULL */
 } validate_args;
+
+/* ------------------------------------------------------------------ args.c */
+
+/* Checks the options and sets shard_index and shard_count. */
+ost_status validate_check(const app_state *app, validate_args *args, ost_error *err);
+
+/* ------------------------------------------------------------------ task.c */
+
+/*
+ * Runs the task that the options select: a merge, a worker, a dump, an export of the cases, or a campaign. `argc` and
+ * `argv` are the arguments of the verb; they determine the order of the user's own files.
+ */
+ost_status validate_task(app_state *app, validate_args *args, int argc, char **argv, ost_error *err);
 
 /* ------------------------------------------------------------------- run.c */
 
