@@ -1,204 +1,32 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Implements `osteon verify`: checks that a bundle of evidence is intact and consistent. The
    machine that made the bundle is not needed. */
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
-#include "app/common/options.h"
-#include "app/common/progress.h"
-#include "app/common/result.h"
-#include "app/common/print.h"
-#include "app/validate/user_files.h"
-#include "validation/bundle/check.h"
-#include "validation/bundle/sign.h"
-#include "validation/bundle/suite.h"
-#include "validation/worker.h"
-
-#define PROTOCOL "protocol.json"
-enum { LIMIT_S = 36000 }; /* time limit for each backend of --rerun, in seconds */
-
-typedef struct listing {
-    const app_state *app;
-    json_t *problems;
-    int absent;
-    char first[200]; /* name of the first file that is missing */
-} listing;
-
-static void list_problem(void *user, bundle_problem_kind kind, const char *file, const char *problem)
-{
-    listing *l = user;
-    if (kind == BUNDLE_ABSENT && l->absent++ == 0)
-        snprintf(l->first, sizeof l->first, "%s", file);
-    json_t *o = json_object();
-    put_text(o, "file", file);
-    put_text(o, "problem", problem);
-    put_text(o, "kind", kind == BUNDLE_ABSENT ? "absent" : "different");
-    append(l->problems, o);
-    print_line(l->app, "  %s %s", file, problem);
-}
-
-static void show(void *user, const char *what, double share)
-{
-    (void)user;
-    progress_show(NULL, what, share);
-}
-
-/*
- * Reads the record of the user's own files in the bundle. If the bundle has no such record, *out is NULL. The caller
- * owns *out.
- */
-static ost_status record_of(const char *folder, json_t **out, ost_error *err)
-{
-    json_t *protocol;
-    const ost_status status = bundle_read_json(folder, PROTOCOL, &protocol, err);
-    *out = json_incref(json_object_get(protocol, "user"));
-    json_decref(protocol);
-    return status;
-}
-
-/* Runs the cases of the bundle again. The user's files are read first, because no case can be run without them. */
-static ost_status rerun_all(app_state *app, const user_files *own, const char *backend, const char *folder, listing *l,
-                            int *found, ost_error *err)
-{
-    json_t *record, *again = NULL;
-    user_store *store = NULL;
-    ost_status status = record_of(folder, &record, err);
-    if (status == OST_OK && record)
-        status = user_files_again(app, own, record, &store, &again, err);
-    else if (status == OST_OK && user_files_given(own))
-        status = ost_fail(err, OST_ERR_USAGE,
-                          "%s: the bundle has no cases of user files; omit --ct, --tool and --path", folder);
-    if (status == OST_OK && record && !json_equal(record, again)) {
-        list_problem(l, BUNDLE_DIFFERENT, PROTOCOL,
-                     "says otherwise what became of the user's files than they come out here");
-        ++*found;
-    }
-    const plan_user user = {.count = user_store_count(store), .store = store};
-    char program[BUNDLE_PATH];
-    if (status == OST_OK)
-        status = worker_program(program, sizeof program, err);
-    if (status == OST_OK) {
-        const check_how how = {.program = program,
-                               .own = store ? &user : NULL,
-                               .backend = backend,
-                               .limit_s = LIMIT_S,
-                               .show = show};
-        status = check_again(folder, &how, list_problem, l, found, err);
-        progress_end();
-    }
-    user_store_free(store);
-    json_decref(again);
-    json_decref(record);
-    return status;
-}
-
-typedef struct signature_args {
-    option_list trust;
-    const char *authority;
-} signature_args;
-
-static const char *text_of(const json_t *o, const char *key)
-{
-    const char *text = json_string_value(json_object_get(o, key));
-    return text ? text : "";
-}
-
-static void print_signature(const app_state *app, const json_t *one)
-{
-    const char *by = text_of(one, "by"), *stamp = text_of(one, "time_stamp");
-    const json_t *keys = json_object_get(one, "keys");
-    const bool checked = json_is_true(json_object_get(one, "checked"));
-    print_line(app, "  %s %s%s%s on %s (claimed): %s", checked ? "signed" : "NOT CHECKED: signature",
-               *by ? "by " : "without a name", by, checked ? "" : ",", text_of(one, "claimed_time"),
-               text_of(one, "meaning"));
-    for (size_t k = 0; k < json_array_size(keys); k++)
-        print_line(app, "    key %s", json_string_value(json_array_get(keys, k)));
-    if (*stamp)
-        print_line(app, "    time stamp of the authority: %s", stamp);
-    else if (json_is_true(json_object_get(one, "stamped")))
-        print_line(app, "    its time stamp was not checked: pass --timestamp-ca FILE");
-}
-
-static ost_status check_signatures(app_state *app, const signature_args *args, const char *folder, listing *l,
-                                   int *found, ost_error *err)
-{
-    sign_trust *trust = NULL;
-    json_t *list = NULL;
-    ost_status status = args->trust.count
-                            ? sign_trust_open(args->trust.value, args->trust.count, args->authority, &trust, err)
-                            : OST_OK;
-    if (status == OST_OK)
-        status = sign_check(folder, trust, list_problem, l, found, &list, err);
-    if (status == OST_OK) {
-        for (size_t i = 0; i < json_array_size(list); i++)
-            print_signature(app, json_array_get(list, i));
-        put_bool(app->result, "signatures_checked", trust != NULL);
-        put(app->result, "signatures", json_incref(list));
-    }
-    json_decref(list);
-    sign_trust_free(trust);
-    return status;
-}
-
-/* Returns the part of the last output line that is about the signatures. */
-static const char *about_signatures(const app_state *app, const signature_args *args)
-{
-    const size_t n = json_array_size(json_object_get(app->result, "signatures"));
-    if (args->trust.count)
-        return n == 1 ? "; its signature is by a trusted key" : "; its signatures are by trusted keys";
-    return n ? "; signatures were not checked (--trust KEYS)" : "; it is not signed";
-}
-
-/*
- * Reports the counts of the test suite. A bundle may be valid although tests failed. Failures are therefore printed,
- * but are not treated as problems of the bundle.
- */
-static ost_status print_suite(app_state *app, const char *folder, ost_error *err)
-{
-    json_t *suite;
-    const ost_status status = bundle_find_json(folder, SUITE_FILE, &suite, err);
-    if (!suite)
-        return status;
-    const json_int_t failed = json_integer_value(json_object_get(suite, "failed"));
-    json_t *counts = json_object();
-    static const char *const keys[] = {"passed", "failed", "skipped"};
-    for (size_t k = 0; k < sizeof keys / sizeof keys[0]; k++)
-        put_integer(counts, keys[k], json_integer_value(json_object_get(suite, keys[k])));
-    put(app->result, "suite", counts);
-    print_line(app, "  the test suite%s: %lld passed, %lld failed, %lld were skipped", failed ? " FAILED" : "",
-               (long long)json_integer_value(json_object_get(suite, "passed")), (long long)failed,
-               (long long)json_integer_value(json_object_get(suite, "skipped")));
-    json_decref(suite);
-    return status;
-}
+#include "app/validate/verify.h"
 
 ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
 {
-    const char *folder = NULL;
-    const operand operands[] = {{"BUNDLE", &folder, "no bundle given"}, {NULL, NULL, NULL}};
+    verify_args args = {.own = USER_FILES_DEFAULT};
+    const operand operands[] = {{"BUNDLE", &args.folder, "no bundle given"}, {NULL, NULL, NULL}};
     const char *const by_default = app->backend;
-    bool rerun = false;
-    user_files own = USER_FILES_DEFAULT;
-    signature_args signatures = {.authority = NULL};
     const option options[] = {
         {.name = "trust",
          .kind = OPTION_LIST,
-         .out = &signatures.trust,
+         .out = &args.trust,
          .value = "KEYS",
          .help = "verify the signatures with these public keys: a PEM file, or a folder of *.pem; may repeat"},
         {.name = "timestamp-ca",
          .kind = OPTION_TEXT,
-         .out = &signatures.authority,
+         .out = &args.authority,
          .value = "FILE",
          .help = "with --trust: certificates (PEM) of the time-stamping authority; every signature must then have "
                  "a time stamp"},
         {.name = "rerun",
          .kind = OPTION_FLAG,
-         .out = &rerun,
+         .out = &args.rerun,
          .help = "run the cases again on the reference here and compare"},
-        USER_FILES(own, "for --rerun: a CT of the bundle's cases user/1, user/2, ...; may repeat",
+        USER_FILES(args.own, "for --rerun: a CT of the bundle's cases user/1, user/2, ...; may repeat",
                    "a mesh of these cases; may repeat", "a path of these cases; may repeat"),
         {.name = NULL}};
     const usage_text usage = {
@@ -227,57 +55,16 @@ ost_status cmd_verify(app_state *app, int argc, char **argv, ost_error *err)
     };
     ost_status status;
     struct stat info;
-    json_t *summary;
-    int found = 0;
     if (!options_parse(app, &usage, argc, argv, &status, err))
         return status;
-    const char *const backend = app->backend != by_default ? app->backend : NULL;
-    if (!rerun && user_files_given(&own))
+    args.backend = app->backend != by_default ? app->backend : NULL;
+    if (!args.rerun && user_files_given(&args.own))
         return usage_error(app, err, "--ct, --tool and --path need --rerun");
-    if (signatures.authority && !signatures.trust.count)
+    if (args.authority && !args.trust.count)
         return usage_error(app, err, "--timestamp-ca needs --trust");
-    if (!rerun && backend)
+    if (!args.rerun && args.backend)
         return usage_error(app, err, "--backend needs --rerun");
-    if (stat(folder, &info) != 0 || !S_ISDIR(info.st_mode))
-        return ost_fail(err, OST_ERR_INPUT, "%s: not a folder; expected a bundle", folder);
-    listing l = {.app = app, .problems = json_array()};
-    status = check_bundle(folder, list_problem, &l, &found, &summary, err);
-    if (status == OST_OK)
-        status = check_signatures(app, &signatures, folder, &l, &found, err);
-    if (status == OST_OK && rerun && found == 0) {
-        status = rerun_all(app, &own, backend, folder, &l, &found, err);
-    }
-    put(app->result, "problems", l.problems);
-    if (status != OST_OK) {
-        json_decref(summary);
-        return status;
-    }
-    put_bool(app->result, "rerun", rerun);
-    if (backend)
-        put_text(app->result, "rerun_on", backend);
-    put_bool(app->result, "valid", found == 0);
-    put_text(app->result, "bundle", folder);
-    if (summary)
-        json_object_update_missing(app->result, summary);
-    if (found == 0)
-        print_line(app, "%s: valid%s; it says %s, %lld case%s%s%s", folder,
-                   !rerun    ? ""
-                   : backend ? ", and the reference and the backend give the same here"
-                             : ", and the reference gives the same here",
-                   json_string_value(json_object_get(summary, "verdict")),
-                   (long long)json_integer_value(json_object_get(summary, "cases")),
-                   json_integer_value(json_object_get(summary, "cases")) == 1 ? "" : "s",
-                   json_is_true(json_object_get(summary, "evidence")) ? "" : " (a reduced run: no evidence)",
-                   about_signatures(app, &signatures));
-    if (found == 0)
-        status = print_suite(app, folder, err);
-    json_decref(summary);
-    if (status != OST_OK)
-        return status;
-    if (l.absent)
-        return ost_fail(err, OST_ERR_INPUT, "%s: %s is missing%s; an incomplete bundle cannot be verified", folder,
-                        l.first, found > 1 ? " (see the list for further problems)" : "");
-    return found == 0 ? OST_OK : ost_fail(err, OST_ERR_DIFFER,
-                                          "%s: %d problem%s: the bundle was changed after it was written", folder,
-                                          found, found == 1 ? "" : "s");
+    if (stat(args.folder, &info) != 0 || !S_ISDIR(info.st_mode))
+        return ost_fail(err, OST_ERR_INPUT, "%s: not a folder; expected a bundle", args.folder);
+    return verify_bundle(app, &args, err);
 }
