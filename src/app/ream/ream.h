@@ -2,7 +2,8 @@
 /*
  * The parts of `osteon ream`: its arguments, its resources and its functions.
  *
- *   cmd_ream.c   parses the arguments, loads the inputs, calls the other parts in order
+ *   cmd_ream.c   parses the arguments
+ *   operate.c    loads the inputs, calls the other parts in order
  *   run.c        executes the ticks, with failover to another backend
  *   record.c     records the operation
  *   report.c     reports the results
@@ -54,6 +55,9 @@ typedef struct ream_job {
     start_checked site;
     bool failed_over;  /* true if the requested backend failed and another one continued */
 } ream_job;
+
+/* Loads the inputs, executes and reports the operation, and writes its files. */
+ost_status ream_operate(const app_state *app, const ream_args *args, ost_error *err);
 
 /* Starts the recording if --record is given. The world must exist. */
 ost_status ream_record_begin(const ream_args *args, ream_job *j, ost_error *err);
