@@ -11,11 +11,8 @@
  * By default, the command opens a window. Unless another device is given, the mouse in this window is the device.
  * With --headless, there is no window.
  */
-#include "app/common/print.h"
 #include "app/input/removal_options.h"
-#include "app/sim/appearance.h"
-#include "app/sim/headset.h"
-#include "app/sim/window.h"
+#include "app/sim/sim.h"
 
 ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
 {
@@ -229,49 +226,5 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
         sim_force_print(app, &args);
         return OST_OK;
     }
-    simulation s = {0};
-    sim_pin(&args, &s);
-    if (args.headset)
-        status = sim_headset_open(&args, &s, err);
-    else if (!args.headless)
-        status = sim_window_open(app, &args, &s, err);
-    if (status == OST_OK && args.resume)
-        status = sim_resume_open(app, &args, &s, err);
-    if (status == OST_OK)
-        status = sim_load(app, &args, &s, err);
-    if (status == OST_OK)
-        status = sim_force_make(app, &args, &s, err);
-    if (status == OST_OK)
-        status = sim_check_start(app, &args, &s, err);
-    if (status == OST_OK)
-        status = sim_record_begin(&args, &s, err);
-    if (status == OST_OK)
-        status = sim_appearance_store_uncut(&args, &s, err);
-    if (status == OST_OK && s.resumed)
-        status = sim_resume_run(&args, &s, err);
-    if (status == OST_OK)
-        status = sim_show_make(app, &args, &s, err);
-    if (status == OST_OK)
-        status = sim_film_begin(&args, &s, err);
-    if (status == OST_OK)
-        status = sim_run(app, &args, &s, err);
-    if (status == OST_OK) {
-        sim_report_loop(app, &args, &s);
-        if (s.headset)
-            sim_headset_report(app, &s);
-        if (s.show)
-            sim_show_report(app, s.show);
-        status = sim_finish(app, &args, &s, err);
-    }
-    /* At this point, the output files are complete. Failures in other parts are reported only now. */
-    if (status == OST_OK)
-        status = sim_film_end(app, &args, &s, err);
-    if (status == OST_OK)
-        status = sim_window_end(&s, err);
-    if (status == OST_OK)
-        status = sim_headset_end(&s, err);
-    if (status == OST_OK)
-        status = sim_device_end(app, &args, &s, err);
-    simulation_free(&s);
-    return status;
+    return sim_operate(app, &args, err);
 }

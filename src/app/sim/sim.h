@@ -2,7 +2,9 @@
 /*
  * The parts of `osteon sim`.
  *
- *   args.c     the options
+ *   cmd_sim.c  the options
+ *   args.c     checks of the options
+ *   operate.c  the parts below, in order
  *   load.c     bone, tools, world, device, force
  *   force.c    the force model and its parameters
  *   resume.c   the ticks of a session that --resume continues
@@ -155,6 +157,9 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
 ost_status sim_film_begin(const sim_args *args, simulation *s, ost_error *err);
 /* Completes the video and reports it. */
 ost_status sim_film_end(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
+
+/* Runs an operation from the opening of its devices to the end of its recording, and reports it. */
+ost_status sim_operate(app_state *app, sim_args *args, ost_error *err);
 
 ost_status sim_run(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
