@@ -93,12 +93,10 @@ run 0 sim --headless --bone bone.nrrd --seconds 0.05 --stats
 for line in "delay of a tick's begin" "duration of a tick" "thread CPU time" "scheduling:"; do
     grep -q "$line" out || fail "--stats does not print '$line': $(cat out)"
 done
-run 0 sim --headless --bone bone.nrrd --seconds 0.2 --renderer null --json
-check "--renderer null: name and width" "$(value renderer.name) $(value renderer.width)" "null 0"
-refuse 2 "needs --renderer auto" sim --headless --bone bone.nrrd --renderer null --hud
+refuse 2 "needs --renderer auto" sim --headless --bone bone.nrrd --renderer none --hud
 refuse 2 "cannot be combined" sim --headless --bone bone.nrrd --video a.y4m --video-pipe cat
 refuse 2 "--size 12x: expected" sim --headless --bone bone.nrrd --size 12x
-refuse 2 "needs --renderer auto" sim --headless --bone bone.nrrd --renderer null --picture a.png
+refuse 2 "needs --renderer auto" sim --headless --bone bone.nrrd --renderer none --picture a.png
 
 # With a force, less bone must be removed than without, and the session must contain the force on
 # the hand. The session must replay.

@@ -9,7 +9,7 @@
 
 refuse 2 "needs a window" sim --headless --device mouse --bone builtin:glenoid
 refuse 2 "pass --headless" sim --no-clock
-refuse 2 "pass --headless" sim --renderer null
+refuse 2 "pass --headless" sim --renderer none
 if ! "$osteon" devices | grep -q '^  window *yes'; then
     refuse 3 "built without a window" sim
     finish

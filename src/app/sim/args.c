@@ -7,7 +7,7 @@
 #include "app/common/result.h"
 #include "app/common/print.h"
 
-const char *const sim_renderer_names[] = {"none", "null", "auto", "points", "gl", "mesh", "thesis"};
+const char *const sim_renderer_names[] = {"none", "auto", "points", "gl", "mesh", "thesis"};
 
 enum { PRESS_TICKS_MAX = 600000 }; /* after ten minutes, the simulated operator keeps still */
 

@@ -122,11 +122,10 @@ ost_status cmd_sim(app_state *app, int argc, char **argv, ost_error *err)
          .kind = OPTION_CHOICE,
          .out = &args.renderer,
          .given = &args.renderer_given,
-         .value = "none|null|auto|points|gl|mesh|thesis",
+         .value = "none|auto|points|gl|mesh|thesis",
          .help = "auto: gl if a graphics card executes OpenGL, otherwise points; points: the bone's surface, by the "
                  "processor; gl: the same by OpenGL; mesh: a triangle mesh of the visible faces, by OpenGL; thesis: "
-                 "every voxel a point, by OpenGL; null: follow the bone, draw nothing (default: auto in a window, "
-                 "else none)"},
+                 "every voxel a point, by OpenGL (default: auto in a window, else none)"},
         {.name = "view",
          .kind = OPTION_CHOICE,
          .out = &args.view,

@@ -138,20 +138,18 @@ static ost_status draw(sim_show *show, const ost_camera *camera, const ost_gl_sh
 ost_status sim_show_frame(sim_show *show, int width, int height, const ost_gl_sheet *sheet, ost_error *err)
 {
     ost_camera camera;
-    ost_status status = OST_OK;
+    ost_status status;
     show->on_screen = false;
     if (show->last_ns)
         frame_times_add(&show->apart, show->updated_ns - show->last_ns);
     show->last_ns = show->updated_ns;
-    if (show->renderer >= SIM_RENDERER_POINTS) {
-        status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
-        if (status == OST_OK)
-            status = draw(show, &camera, sheet, err);
-        show->width = width;
-        show->height = height;
-        if (status == OST_OK && show->args->headless && !show->args->hud && !show->args->look.no_legend)
-            status = appearance_marks(&show->look, NULL, false, err);
-    }
+    status = ost_orbit_camera(&show->orbit, width, height, &camera, err);
+    if (status == OST_OK)
+        status = draw(show, &camera, sheet, err);
+    show->width = width;
+    show->height = height;
+    if (status == OST_OK && show->args->headless && !show->args->hud && !show->args->look.no_legend)
+        status = appearance_marks(&show->look, NULL, false, err);
     return status;
 }
 

@@ -18,14 +18,13 @@
 
 typedef enum sim_renderer {
     SIM_RENDERER_NONE,
-    SIM_RENDERER_NULL,
     SIM_RENDERER_AUTO, /* gl if a graphics card executes OpenGL, points otherwise */
     SIM_RENDERER_POINTS,
     SIM_RENDERER_GL,
     SIM_RENDERER_MESH,
     SIM_RENDERER_THESIS
 } sim_renderer;
-extern const char *const sim_renderer_names[]; /* "none", "null", "auto", "points", "gl", "mesh", "thesis" */
+extern const char *const sim_renderer_names[]; /* "none", "auto", "points", "gl", "mesh", "thesis" */
 
 typedef struct sim_show {
     const app_state *app;
@@ -61,7 +60,7 @@ void sim_show_free(sim_show *show);
 /* Starts a frame: applies the changes that the operation made since the previous frame. */
 ost_status sim_show_update(sim_show *show, ost_error *err);
 /*
- * Draws a frame of the given size. The renderer "null" draws nothing. If `sheet` is not NULL, ost_viewer_can_show must
+ * Draws a frame of the given size. If `sheet` is not NULL, ost_viewer_can_show must
  * be true, and the frame is drawn into the window's framebuffer with the sheet over it. If OpenGL fails, or if `sheet`
  * is NULL, the frame is drawn into show->viewer.frame.
  */
