@@ -168,9 +168,9 @@ static void check_opencl(const check *c, const json_t *devices)
             const json_t *backend = backend_named(c, spec);
             if (backend && (usable || !json_is_true(json_object_get(backend, "available"))))
                 continue;
-            snprintf(text, sizeof text, "has the OpenCL device %.120s, which is %s, and the protocol %s %.200s",
+            snprintf(text, sizeof text, "lists the OpenCL device %.120s as %s, but the protocol %s %.200s",
                      evidence_text(one, "backend"), usable ? "usable" : "refused",
-                     backend ? "says otherwise of" : "does not have", spec);
+                     backend ? "states the opposite for" : "does not list", spec);
             report(c, DEVICES_FILE, text);
         }
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Implements `osteon bench`: runs the suites of bench/ and prints their rows as a table, as the
- * table of docs/performance.md (--markdown), or as JSON.
+ * Implements `osteon bench`: runs the suites of bench/ and prints their rows as a table, as a
+ * Markdown table (--markdown), or as JSON.
  *
  *   options --> run.c: a suite at a time --> rows.h: table, Markdown, JSON
  *                                        --> against.h: comparison with an earlier run (--against)
@@ -45,7 +45,7 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
          .help = "compare the ratios with those in FILE, which an earlier run with --json printed"},
         {.name = "max-slowdown", .kind = OPTION_TEXT, .out = &slowdown, .value = "PERCENT",
          .help = "with --against: greatest slowdown of a row that is not an error (default: 10%)"},
-        {.name = "markdown", .kind = OPTION_FLAG, .out = &markdown, .help = "print the table of docs/performance.md"},
+        {.name = "markdown", .kind = OPTION_FLAG, .out = &markdown, .help = "print a Markdown table"},
         {.name = NULL}};
     const usage_text usage = {
         .synopsis = "[--suite NAME] [options]",
@@ -57,8 +57,8 @@ ost_status cmd_bench(app_state *app, int argc, char **argv, ost_error *err)
         .notes = "Figures are medians, with minimum and maximum; ratio is the baseline's time divided\n"
                  "by osteon's. Rows that end in /1 and those of the suite tick use one thread; all\n"
                  "others use --threads (default: all). Other work on the machine changes the figures,\n"
-                 "the minima least. docs/performance.md explains the rows, their limits and their\n"
-                 "goals.\n"
+                 "the minima least. docs/reference/benchmarks.md explains the suites, and\n"
+                 "docs/performance.md lists results, limits and goals.\n"
                  "A row that cannot run on this machine (for example because the device or the host\n"
                  "has too little memory) is printed as not run, with the reason. The other rows are\n"
                  "still measured.\n"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stores the rows of `osteon bench` in the JSON object of --json, and prints them as a table or, with --markdown, as
- * the table of docs/performance.md.
+ * a Markdown table.
  *
  *   json.c    the settings and the rows in JSON
  *   table.c   both tables

@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-#include "app/common/print.h"
-#include "app/common/result.h"
 
 ost_status export_removed(const app_state *app, const char *before, const char *name, loaded_volume *in, int64_t *count,
                           ost_error *err)

@@ -46,7 +46,7 @@ ost_status cmd_import(app_state *app, int argc, char **argv, ost_error *err)
                    "  osteon import shoulder.nii.gz --landmarks F.mrk.json --out shoulder.nrrd\n"
                    "  osteon import shoulder.nii.gz --mask labels.nrrd:1 --landmarks auto --out scapula.nrrd\n"
                    "  osteon import 'scan/*.tif' --spacing 0.0195 --threshold 63 --out core.nrrd\n"
-                 "  osteon import shoulder.nii.gz --cut-head auto --bone -98,200,-159 --out scapula.nrrd\n"
+                   "  osteon import shoulder.nii.gz --cut-head auto --bone -98,200,-159 --out scapula.nrrd\n"
                    "  osteon import scapula.txt --threshold 150 --cubic 0.5 --out scapula.nrrd",
     };
     ost_status status;

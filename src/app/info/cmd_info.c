@@ -75,7 +75,7 @@ ost_status cmd_info(app_state *app, int argc, char **argv, ost_error *err)
     struct stat st;
     put_text(app->result, "file", name);
     const bool readable = stat(name, &st) == 0, folder = readable && S_ISDIR(st.st_mode);
-    if (readable && !folder)
+    if (readable && S_ISREG(st.st_mode)) /* a stream has no size */
         put_integer(app->result, "file_bytes", st.st_size);
     status = describe(app, name, kind, &dicom, repaired, digest, err);
     if (status != OST_OK || !digest || folder || kind == OST_FILE_STACK)

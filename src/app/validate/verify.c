@@ -66,7 +66,7 @@ static ost_status rerun_all(app_state *app, const verify_args *args, listing *l,
                           "%s: the bundle has no cases of user files; omit --ct, --tool and --path", args->folder);
     if (status == OST_OK && record && !json_equal(record, again)) {
         list_problem(l, BUNDLE_DIFFERENT, PROTOCOL,
-                     "says otherwise what became of the user's files than they come out here");
+                     "its record of the user's files differs from the record that these files give here");
         ++*found;
     }
     const plan_user user = {.count = user_store_count(store), .store = store};
