@@ -27,7 +27,7 @@ int main(int argc, char **argv)
     memset(&ct, 0, sizeof ct);
     memset(&mesh, 0, sizeof mesh);
 
-    /* If options is NULL, the phantom has the sizes of the thesis, seed 1 and the form of a right shoulder. */
+    /* If options is NULL, the phantom is a right glenoid with the dimensions of the thesis and noise from seed 1. */
     status = ost_phantom_make(OST_PHANTOM_GLENOID, NULL, &ct, &err);
     if (!status)
         status = ost_volume_write(argv[1], &ct, NULL, &err);

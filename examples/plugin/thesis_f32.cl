@@ -51,7 +51,10 @@ typedef struct thesis_rect {
     thesis_axis axis[3];
 } thesis_rect;
 
-/* Maps the bone's box to the tool's box. Positions are relative to the centres of the boxes, in millimetres. */
+/*
+ * The boxes of the bone and of the tool, and the matrix that maps bone positions to tool positions. Positions are
+ * relative to the centres of the boxes, in millimetres.
+ */
 typedef struct thesis_boxes {
     float matrix[12]; /* three rows of four */
     float bone[3], tool[3]; /* half extents of the boxes */
@@ -175,7 +178,7 @@ FUNCTION void thesis_row(thesis_grid g, GLOBAL const float *corners, int j, int 
 
 /* ---------------------------------------------------------- Algs. 2.8 to 2.10 */
 
-/* Computes the range of chunks that encloses the tool's corners after they are clamped to the bone's box. */
+/* Clamps the tool's corners to the bone's box, and computes the range of chunks that encloses them. */
 FUNCTION thesis_boxes thesis_share(thesis_boxes x)
 {
     const float n = (float)x.chunk_size;

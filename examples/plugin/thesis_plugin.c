@@ -167,9 +167,9 @@ static int32_t grid_download(const ost_plugin_grid *grid, int32_t z0, int32_t co
 /* -------------------------------------------------------------------- import */
 
 /*
- * Implements Algs. 2.2 to 2.4. In the grid that the host requests, every lattice point of the samples has a
- * voxel. The dims of Alg. 2.3 are smaller by one on each axis on which all positions are multiples of the
- * voxel size. Alg. 1.1 computes a voxel's index from these smaller dims.
+ * Implements Algs. 2.2 to 2.4. In the grid that the host requests, every lattice point of the samples has a voxel. The
+ * dims of Alg. 2.3 are smaller by one on each axis on which all positions are multiples of the voxel size. The index
+ * that Alg. 1.1 computes from these smaller dims is therefore converted to an index in the host's grid.
  */
 static int32_t ct_to_rect(ost_plugin_grid *grid, const ost_plugin_samples *samples, ost_plugin_scatter_report *report,
                           ost_plugin_error *error)
