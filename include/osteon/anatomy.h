@@ -34,7 +34,7 @@ typedef struct ost_anatomy_bone {
 /* Options of a search for spheres. A zero-initialised struct selects the defaults. */
 typedef struct ost_sphere_options {
     bool concave; /* true if the bone lies outside the sphere, as at the glenoid; false if it lies inside */
-    /* limits of the radius, within 5 to 100 mm; two zeros select 17 to 32 mm, or 20 to 45 mm for concave spheres */
+    /* limits of the radius, 5 to 100 mm; if both are 0, they are 17 and 32 mm, or 20 and 45 mm for concave spheres */
     ost_pm radius_min, radius_max;
     bool has_near;                  /* true to find only spheres whose centres are within `reach` of `near` */
     ost_pm3 near;
@@ -78,7 +78,7 @@ typedef struct ost_scapula_landmarks {
     ost_pm3 rim[OST_RIM_MAX];
     int rim_count;
     /*
-     * The uncertainty of the proposal. A spread is the maximum change of a value when the search is repeated with the
+     * The uncertainty of the proposal. A spread is the maximum change in a value when the search is repeated with the
      * surface moved inward or outward, with only the even or only the odd directions of the rim, and on a coarser grid.
      */
     double rim_share;      /* share of the directions in which the rim was found */

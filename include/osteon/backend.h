@@ -19,14 +19,14 @@
  * objects of a call must belong to one backend; otherwise the call returns OST_ERR_USAGE.
  *
  * Threads: a backend and its objects may be used by one thread at a time; different backends may be used by different
- * threads at the same time. ost_backend_open and ost_backend_devices may be called by only one thread at a time for
- * `cl`, because they save and restore the process's handler for SIGFPE. After fork(), the child must not call osteon
- * before exec, because the OpenMP runtime's threads do not exist in the child.
+ * threads at the same time. For `cl`, only one thread at a time may call ost_backend_open or ost_backend_devices,
+ * because these functions save and restore the process's handler for SIGFPE. After fork(), the child must not call
+ * osteon before exec, because the OpenMP runtime's threads do not exist in the child.
  *
  * Errors: these functions check their arguments. If a call fails, no object changes, unless the comment of the function
  * states otherwise. If a device fails while it changes a grid or a bone, however, the state of this object is unknown.
- * The object can then only be freed, and every other call with it returns OST_ERR_UNAVAILABLE. The caller can create
- * the object again; ost_world_failover (sim.h) does this for a world, on another backend.
+ * The object can then only be freed, and every other call that uses it returns OST_ERR_UNAVAILABLE. The caller can
+ * create the object again; ost_world_failover (sim.h) does this for a world, on another backend.
  *
  * Backend errors: a function that creates or uses a grid, a bone or a tool can fail in the backend. It then returns
  * OST_ERR_MEMORY if memory of the host or of the device is exhausted, OST_ERR_UNAVAILABLE if the device or the plugin
@@ -96,7 +96,7 @@ OST_API void ost_backend_close(ost_backend *backend);
 /* Returns the name of a backend without options, for example "cpu". The string is static. */
 OST_API const char *ost_backend_name(const ost_backend *backend);
 
-/* Settings of an open backend. Its options, the environment and the machine determine them. */
+/* Settings of an open backend, which are determined by its options, the environment and the machine. */
 typedef struct ost_backend_settings {
     /* instruction set in use, for example "avx2"; "" if the backend has no choice of instruction sets */
     const char *isa;
@@ -128,9 +128,9 @@ OST_API ost_status ost_grid_download(const ost_grid *grid, int32_t z0, int32_t c
 /* One line of a CT in text form (thesis, Alg. 2.2). */
 typedef struct ost_sample {
     int64_t x, y, z; /* centre of the voxel in picometres */
-    /* Density, which must fit int16. Otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample. */
+    /* Density, which must fit in an int16. Otherwise, ost_ct_to_rect returns OST_ERR_RANGE and scatters no sample. */
     int32_t density;
-    uint32_t line;   /* line number within the batch, from 0, so that 32 bits suffice for a file of any length */
+    uint32_t line;   /* line number in its batch, counted from 0; therefore 32 bits suffice for a file of any length */
 } ost_sample;
 
 /* The rule that determines the density of a voxel with several samples (AR-CT-6). */
@@ -142,8 +142,8 @@ typedef enum ost_duplicates {
 } ost_duplicates;
 
 /*
- * The results of scattering samples into a grid, summed over all batches.  Line numbers count from the start of the
- * file; 0 means that there is no such line.
+ * The results of scattering samples into a grid, summed over all batches. Line numbers are counted from the start of
+ * the file; 0 means that there is no such line.
  */
 typedef struct ost_scatter_report {
     uint64_t samples;
@@ -162,11 +162,11 @@ typedef struct ost_scatter_report {
 
 /*
  * Scatters a batch of samples into a rect grid (AR-CT-4). A sample at p belongs to the voxel with the index (p -
- * origin) / spacing, rounded half to even. Batches must be passed in file order. The counts of each batch are added
- * to *report. The grid records which voxels have a density. If a sample is rejected or contradicts an earlier
- * sample, the function nevertheless returns OST_OK; the report then contains the line of the sample, and the content
- * of the grid is undefined. Returns OST_ERR_RANGE if a density does not fit int16, and OST_ERR_USAGE if samples or
- * report is NULL or the rule `duplicates` is unknown.
+ * origin) / spacing, rounded half to even. Batches must be passed in file order. The counts of each batch are added to
+ * *report. The grid records which voxels have a density. If a sample is rejected or contradicts an earlier sample, the
+ * function nevertheless returns OST_OK; the report then contains the line of the sample, and the content of the grid is
+ * undefined. Returns OST_ERR_RANGE if a density does not fit in an int16, and OST_ERR_USAGE if samples or report is
+ * NULL or the rule `duplicates` is unknown.
  */
 OST_API ost_status ost_ct_to_rect(ost_grid *rect, const ost_sample *samples, size_t count, int64_t first_line,
                                   ost_duplicates duplicates, ost_scatter_report *report, ost_error *err);
@@ -183,11 +183,11 @@ typedef enum ost_resample { OST_RESAMPLE_LINEAR, OST_RESAMPLE_NEAREST, OST_RESAM
 OST_API const char *ost_resample_name(ost_resample rule);
 
 /*
- * Resamples rect to cubic voxels with edges of length `cubic`. Both grids cover the same physical box. On each axis,
- * let c be the edge length and s the spacing of rect. The cubic grid then has ceil(rect dims * s / c) voxels, and its
- * origin is rect origin + (c - s) / 2, rounded half to even (AR-CUB-1). Returns OST_ERR_RANGE if `cubic` is not within
- * 0.001 to 100 mm or if the cubic grid is outside the ranges of AR-GRID, and OST_ERR_USAGE if the rule is unknown. The
- * caller frees *out with ost_grid_free.
+ * Resamples the grid `rect` to cubic voxels with edges of length `cubic`. Both grids cover the same physical box. On
+ * each axis, let c be the edge length; let n, s and p be the number of voxels, the spacing and the origin of `rect`.
+ * The cubic grid then has ceil(n * s / c) voxels, and its origin is p + (c - s) / 2, rounded half to even (AR-CUB-1).
+ * Returns OST_ERR_RANGE if `cubic` is not within 0.001 to 100 mm or if the cubic grid is outside the ranges of AR-GRID,
+ * and OST_ERR_USAGE if the rule is unknown. The caller frees *out with ost_grid_free.
  */
 OST_API ost_status ost_rect_to_cubic(const ost_grid *rect, ost_pm cubic, ost_resample rule, ost_grid **out,
                                      ost_error *err);
@@ -252,10 +252,10 @@ OST_API ost_status ost_bone_sample(const ost_bone *bone, size_t count, const int
 /*
  * Reads the occupancy of `count` chunks. `chunks` contains the chunk numbers cx + chunk_dims.x * (cy + chunk_dims.y *
  * cz). `words` has n^3 / 32 elements for each chunk of n^3 voxels. Voxel (x, y, z) of a chunk has the number v = x + n
- * (y + n z); its bit is bit v % 32 of the chunk's element v / 32. The function allocates no memory, so it may be called
- * in a tick. If the bone is on a device, the function blocks until the data has arrived. Returns OST_ERR_USAGE if a
- * chunk number is out of range, and OST_ERR_UNAVAILABLE if the backend can read only slices, as the backend `plugin`
- * does.
+ * (y + n z); its bit is bit v % 32 of element v / 32 of the chunk. The function allocates no memory, so it may be
+ * called in a tick. If the bone is on a device, the function blocks until the data has arrived. Returns OST_ERR_USAGE
+ * if a chunk number is out of range, and OST_ERR_UNAVAILABLE if the backend can read only slices, as the backend
+ * `plugin` does.
  */
 OST_API ost_status ost_bone_occupancy(const ost_bone *bone, size_t count, const int32_t *chunks, uint32_t *words,
                                       ost_error *err);
@@ -297,7 +297,8 @@ OST_API ost_status ost_voxelize(ost_backend *backend, const ost_snapped_mesh *cu
 OST_API ost_status ost_tool_upload(ost_backend *backend, const ost_tool_volume *volume, ost_tool **out, ost_error *err);
 /*
  * Copies a tool to host memory. *out need not be initialised. out->meta is empty afterwards. Returns OST_ERR_MEMORY if
- * memory is exhausted, and backend errors; *out then has no voxels. The caller frees *out with ost_tool_volume_free.
+ * memory is exhausted, and backend errors. After an error, *out has no voxels. The caller frees *out with
+ * ost_tool_volume_free.
  */
 OST_API ost_status ost_tool_download(const ost_tool *tool, ost_tool_volume *out, ost_error *err);
 /* Frees a tool. NULL is allowed. */

@@ -63,8 +63,9 @@ OST_API ost_status ost_digest_root(ost_grid_kind kind, const ost_geometry *geome
 OST_API ost_status ost_digest_volume(ost_grid_kind kind, const ost_volume *volume, ost_digest *out, ost_error *err);
 
 /*
- * Computes the digest of dense voxels of voxel_size 1 or 2 bytes. For a tool, kind is OST_GRID_TOOL, the spacing on all
- * axes is the tool's voxel size, and the origin is the tool's corner. The only error is OST_ERR_MEMORY.
+ * Computes the digest of a dense array of voxels, each of which has voxel_size bytes (1 or 2). For a tool, kind is
+ * OST_GRID_TOOL, the spacing on all axes is the tool's voxel size, and the origin is the tool's corner. The only error
+ * is OST_ERR_MEMORY.
  */
 OST_API ost_status ost_digest_dense(ost_grid_kind kind, const ost_geometry *geometry, const void *voxels,
                                     size_t voxel_size, ost_digest *out, ost_error *err);

@@ -44,8 +44,9 @@ OST_API ost_status ost_sweep_count(const ost_pose *a, const ost_pose *b, const o
                                    ost_pm bone_voxel, int *count, ost_error *err);
 
 /*
- * Returns pose number k of a sweep of n poses from a to b, 1 <= k <= n (AR-SWEEP-4). The pose is ((n-k) a + k b) /
- * n with each component rounded half to even. If q_a . q_b < 0, the quaternion of b is negated first.
+ * Returns pose number k of a sweep of n poses from a to b, 1 <= k <= n (AR-SWEEP-4). The pose is ((n-k) a + k b) / n
+ * with each component rounded half to even. If the dot product of the two quaternions is negative, the quaternion of b
+ * is negated before this computation.
  */
 OST_API ost_pose ost_sweep_pose(const ost_pose *a, const ost_pose *b, int k, int n);
 
@@ -84,9 +85,9 @@ OST_API ost_status ost_map_make(const ost_pose *pose, const ost_geometry *bone, 
                                 ost_map *out, ost_error *err);
 
 /*
- * Computes the base of the block whose first voxel is (16 block.x, 16 block.y, 16 block.z).  Returns false if the base
+ * Computes the base of the block whose first voxel is (16 block.x, 16 block.y, 16 block.z). Returns false if the base
  * is outside [-2^29, 2^30 + 2^29) on an axis; no voxel of the block is then inside the tool's grid (AR-MAP-5 contains
- * the proof).  If the function returns true, every coordinate of the block fits int32.
+ * the proof). If the function returns true, every coordinate of the block fits in an int32.
  */
 OST_API bool ost_map_block_base(const ost_map *map, ost_dims block, int32_t base[3]);
 
@@ -104,7 +105,10 @@ enum { OST_CLASS_MAX = 8, OST_CLASS_NAME = 24 };
 /* Density classes as half-open ranges: class c is [border[c], border[c + 1]). The last class has no upper border. */
 typedef struct ost_density_classes {
     int count;                    /* 1..OST_CLASS_MAX */
-    /* Lower borders of the classes, at least 1 and strictly increasing. A voxel below border[0] belongs to class 0. */
+    /*
+     * Lower borders of the classes, at least 1 and strictly increasing. A voxel with a lower density than border[0]
+     * belongs to class 0.
+     */
     int16_t border[OST_CLASS_MAX];
     char name[OST_CLASS_MAX][OST_CLASS_NAME];
 } ost_density_classes;
@@ -155,7 +159,7 @@ typedef struct ost_removal_report {
 
 /* Clears the content of a report. Its memory is kept for reuse. */
 OST_API void ost_removal_report_clear(ost_removal_report *report);
-/* Appends a copy of chunk and adds its counts to the totals. Returns OST_ERR_MEMORY on failure. */
+/* Appends a copy of *chunk and adds its counts to the totals. Returns OST_ERR_MEMORY on failure. */
 OST_API ost_status ost_removal_report_add(ost_removal_report *report, const ost_chunk_report *chunk, ost_error *err);
 /* Frees the memory of a report. The report is then empty and may be used again. */
 OST_API void ost_removal_report_free(ost_removal_report *report);

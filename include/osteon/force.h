@@ -47,12 +47,12 @@ typedef struct ost_force_params {
     double damping;            /* damping of the coupling for the hand force, in N s/m */
     double speed;              /* angular speed of the tool about its z axis in rad/s; with 0, the tool does not cut */
     double cutting_ratio;      /* ratio of tangential to normal force at a cutting point */
-    double energy;             /* energy to cut bone of the reference density, in J/m^3 */
+    double energy;             /* energy needed to cut bone of the reference density, in J/m^3 */
     double reference_density;  /* reference density in g/cm^3 */
     double density_at_0;       /* density at 0 HU in g/cm^3 */
-    double density_per_hu;     /* increase of density per HU in g/cm^3 */
+    double density_per_hu;     /* increase in density per HU in g/cm^3 */
     double layer;              /* thickness of the compressed layer in m; only for OST_FORCE_INSTANT */
-    /* Stiffness of the layer in N/m^3, which is force per area and depth, for bone of the reference density; only for
+    /* Stiffness of the layer in N/m^3 (force per area and depth), for bone of the reference density; only for
      * OST_FORCE_INSTANT. */
     double layer_stiffness;
     /* Angular stiffness of the coupling for the hand torque, in N m/rad. With 0, the tool always has the device's
@@ -73,7 +73,10 @@ typedef struct ost_force_params {
 OST_API ost_force_params ost_force_defaults(void);
 /* Returns the density, in g/cm^3, of bone with `hu` Hounsfield units. */
 OST_API double ost_force_density(const ost_force_params *params, int hu);
-/* Returns the energy, in J/m^3, to cut bone with `hu` Hounsfield units: energy * (density / reference_density)^2. */
+/*
+ * Returns the energy, in J/m^3, needed to cut bone with `hu` Hounsfield units:
+ * energy * (density / reference_density)^2.
+ */
 OST_API double ost_force_energy(const ost_force_params *params, int hu);
 
 /* ------------------------------------------------------------------ shells */
@@ -106,7 +109,7 @@ typedef struct ost_force ost_force;
 
 /*
  * Creates an ost_force for a bone, without tools. The bone must outlive the ost_force. `params` is copied; NULL selects
- * the defaults. Returns OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels, like the backend `plugin`.
+ * the defaults. Returns OST_ERR_UNAVAILABLE if the bone's backend cannot read single voxels (for example `plugin`).
  * Returns OST_ERR_USAGE if bone is NULL, and OST_ERR_RANGE if a parameter is outside the range that ost_force_key_at
  * states, if speed is not within 0 to 10,000 rad/s, or if vibration is not 0 and more than 500 teeth pass per second.
  * Returns OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h). The caller frees *out with
@@ -142,7 +145,7 @@ typedef struct ost_force_result {
 
 /*
  * Advances the tool with index `tool` by one tick of period_s seconds towards the device's pose. Does not remove bone:
- * the caller passes out->tool to ost_world_step, which removes it. Allocates no memory and does not block. In its first
+ * for this purpose, the caller passes out->tool to ost_world_step. Allocates no memory and does not block. In its first
  * step, a tool starts at the device's pose, unless ost_force_set_pose has set a different pose. Returns OST_ERR_USAGE
  * if no tool has this index or period_s is not greater than 0, and backend errors (backend.h).
  */
@@ -180,7 +183,7 @@ typedef struct ost_safety_params {
     /* Maximum force in N and maximum torque in N m. A saturation function reduces every value to less than its maximum;
        it hardly changes a value far below the maximum. */
     double max_force_n, max_torque_nm;
-    double slew_n;              /* maximum change of the force in one tick, in N */
+    double slew_n;              /* maximum change in the force per tick, in N */
     double ramp_s;              /* time in s during which the force rises from 0 after a start or a fault */
     int max_ticks_without_sample; /* the force becomes 0 after this number of consecutive ticks without a new pose */
     /* Bit mask of dead-man buttons, at least one of which must be held; 0 means that no button is required. */

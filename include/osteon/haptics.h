@@ -7,9 +7,9 @@
  *      ^                                        |
  *      '---------------- wrench ----------------'
  *
- * A device returns a pose in the bone's frame, which is quantised once (pose.h), and accepts a
- * wrench.  The servo loop polls most devices; a device with a clock of its own calls the tick
- * function on its own thread.  `osteon devices` lists all devices.
+ * A device returns a pose in the bone's frame and accepts a wrench. The pose is quantised once
+ * (pose.h). The servo loop polls most devices; a device with a clock of its own calls the tick
+ * function on its own thread. `osteon devices` lists all devices.
  *
  * Threads: a device may be used by one thread at a time.  While ost_servo_run is
  * running, only the servo thread may use the device.  The comments of ost_haptic_counts,
@@ -30,8 +30,8 @@ extern "C" {
 /* --------------------------------------------------------------- devices */
 
 enum {
-    OST_HAPTIC_FORCE = 1,       /* renders forces */
-    OST_HAPTIC_TORQUE = 2,      /* renders torques */
+    OST_HAPTIC_FORCE = 1,       /* the device renders forces */
+    OST_HAPTIC_TORQUE = 2,      /* the device renders torques */
     OST_HAPTIC_ORIENTATION = 4, /* the device measures orientation in addition to position */
     OST_HAPTIC_TOOL = 8,        /* the device reports which tool is in use */
     OST_HAPTIC_OWN_CLOCK = 16,  /* the device calls the tick function on its own thread */
@@ -95,8 +95,8 @@ typedef struct ost_hand_input ost_hand_input;
 typedef struct ost_haptic_setup {
     const ost_path *path; /* path of the tool for the `script` device, or of the simulated hand for the `sim` device */
     const char *session;  /* file name of the session that the `replay` device repeats */
-    ost_mouse_input *mouse; /* input of the `mouse` device, which a window sets; borrowed until ost_haptic_close */
-    ost_hand_input *hand;   /* input of the `openxr` device, which a headset sets; borrowed until ost_haptic_close */
+    ost_mouse_input *mouse; /* input of the `mouse` device, set by a window; borrowed until ost_haptic_close */
+    ost_hand_input *hand;   /* input of the `openxr` device, set by a headset; borrowed until ost_haptic_close */
     /*
      * First pose of the tool. The `null` device keeps this pose, and the `motion` device begins at it. For a real
      * device, it is the pose of the tool when the handle is in its central position.
@@ -265,7 +265,7 @@ typedef struct ost_realtime {
 } ost_realtime;
 
 typedef struct ost_servo_sample {
-    uint64_t number;      /* number of the tick, from 0 */
+    uint64_t number;      /* number of the tick, counted from 0 */
     int64_t t_ns;         /* time of the world: number * period */
     ost_haptic_state state;
     bool declared;        /* true if there is no new pose; `state` is then the last state */
@@ -360,11 +360,11 @@ enum { OST_SERVO_WATCHDOG_TICKS = 5 };
  * the device's first pose, unless the device reports that tracking is lost.  When the loop ends, a zero wrench is
  * written to the device.  A device with a clock of its own calls tick on its own thread.
  *
- * `options` may be NULL, which selects the defaults.  `done` may be NULL.  *report is always written; its size is about
- * 260 kB, so it should not be placed on the stack.  Returns OST_ERR_USAGE if the period is not within 10,000 ns to 1 s,
+ * `options` may be NULL, which selects the defaults. `done` may be NULL. *report is always written; its size is about
+ * 260 kB, so it should not be placed on the stack. Returns OST_ERR_USAGE if the period is not within 10,000 ns to 1 s,
  * if lead_ns is not within 0 to half a period, or if no_clock is set for a device without OST_HAPTIC_LOGICAL. In these
  * cases, no tick is run, and *report contains zeros. Returns OST_ERR_UNAVAILABLE if a device with a clock of its own
- * does not call its tick.
+ * does not call the tick function.
  */
 OST_API ost_status ost_servo_run(ost_haptic *device, const ost_servo_options *options, ost_servo_tick *tick,
                                  ost_servo_done *done, void *user, ost_servo_report *report, ost_error *err);

@@ -19,11 +19,11 @@
  *
  * All functions also return OST_ERR_MEMORY if memory is exhausted. The comments of the functions name all other errors.
  *
- * Threads: the functions share no state. Several threads may read and write files at the same time, also the same input
- * file. Meshes are parsed one after the other, because assimp shares the message of its last error among all threads.
- * An object may be used by one thread at a time, or read by several. A backend and its bones may be used by one thread
- * at a time (backend.h), so two threads that import at the same time need two backends. Some functions create threads
- * of their own, but all callbacks are called on the calling thread.
+ * Threads: the functions share no state. Several threads may read and write files at the same time, and may read the
+ * same file. Meshes are parsed one after the other, because assimp shares the message of its last error among all
+ * threads. An object may be used by one thread at a time, or read by several. A backend and its bones may be used by
+ * one thread at a time (backend.h), so two threads that import at the same time need two backends. Some functions
+ * create threads of their own, but all callbacks are called on the calling thread.
  */
 #ifndef OSTEON_IO_H
 #define OSTEON_IO_H
@@ -111,8 +111,8 @@ typedef struct ost_volume_options {
     bool even_slices; /* for DICOM: true to resample unevenly spaced slices (linear), which are otherwise an error */
     bool untilt;            /* for DICOM: true to shear tilted slices back (linear), which are otherwise an error */
     bool nan_as_air;        /* true to convert NaN to -1024 HU, the density of air; NaN is otherwise an error */
-    ost_pm3 stack_spacing;  /* for a stack, whose spacing is not read from the files: spacing of columns, rows and
-                             * slices */
+    ost_pm3 stack_spacing;  /* for a stack: spacing of columns, rows and slices, which
+                             * is not read from the files */
     ost_progress *progress; /* called with the stage "reading"; may be NULL */
     void *progress_user;
 } ost_volume_options;
@@ -177,11 +177,11 @@ OST_API ost_status ost_dicom_list_read(const char *path, const ost_volume_option
 OST_API void ost_dicom_list_free(ost_dicom_list *list);
 
 typedef struct ost_write_options {
-    bool compress;        /* true to compress .nrrd by gzip; .nii.gz is always compressed */
+    bool compress;        /* true to compress .nrrd with gzip; .nii.gz is always compressed */
     int text_decimals;    /* number of decimals in .txt, up to 9; 0 selects the smallest number that represents all
                            * positions exactly */
-    /* for .txt: true to omit voxels of density 0; if the file is read, its grid is then the bounding box of the
-     * remaining voxels */
+    /* for .txt: true to omit voxels of density 0; the grid read from the file is then the bounding box of the remaining
+     * voxels */
     bool omit_empty;
     ost_progress *progress; /* called with the stage "writing"; may be NULL; not used for .txt */
     void *progress_user;
@@ -253,10 +253,9 @@ OST_API ost_status ost_mesh_write_stl(const char *path, const ost_mesh *mesh, os
 /* ----------------------------------------------------------------- paths */
 
 /*
- * The report of reading a path. A path file is CSV text, plain or gzip, with the columns
- * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or with x_m,y_m,z_m in metres. Decimals are read exactly,
- * and t strictly increases (AR-PATH-1 to 3). A row with nan in its pose is not a tick; the next tick is lifted
- * (path.h).
+ * The report of ost_path_read. A path file is CSV text, plain or gzip, with the columns
+ * `t_s,x_mm,y_mm,z_mm,qw,qx,qy,qz[,tool][,lifted][,rpm]`, or with x_m,y_m,z_m in metres. Decimals are read exactly, and
+ * t strictly increases (AR-PATH-1 to 3). A row with nan in its pose is not a tick; the next tick is lifted (path.h).
  */
 typedef struct ost_path_report {
     size_t rows, lost_rows;   /* number of all rows, and number of rows without a pose */
@@ -268,8 +267,8 @@ typedef struct ost_path_report {
  * many rows. After an error, *out is empty. The caller frees *out with ost_path_free. */
 OST_API ost_status ost_path_read(const char *path, const ost_path_options *options, ost_path *out,
                                  ost_path_report *report, ost_error *err);
-/* Reads a path as ost_path_read does, with options and report NULL. The errors are the same. The caller frees *out with
- * ost_path_free. */
+/* Reads a path as ost_path_read does if options and report are NULL. The errors are the same. The caller frees *out
+ * with ost_path_free. */
 OST_API ost_status ost_path_read_csv(const char *path, ost_path *out, ost_error *err);
 /* Writes a path with the columns `lifted` and `rpm`. If any tool index is not 0, the column `tool` is also written.
  * Returns write errors only. */
@@ -328,8 +327,9 @@ OST_API ost_status ost_volume_write_meta(const char *path, const ost_meta *meta,
 
 enum { OST_MASK_LABELS_MAX = 128 };
 /*
- * Makes a label map of a CT, for example with ost_segment_volume. threshold is the threshold of the import. Initialises
- * *labels with the CT's grid; ost_import frees *labels. The facts in labels->meta are added to the facts of the bone.
+ * Makes a label map of a CT, for example with ost_segment_volume. `threshold` is the threshold of the import.
+ * Initialises *labels with the CT's grid; ost_import frees *labels. The facts in labels->meta are added to the facts of
+ * the bone.
  */
 typedef ost_status ost_import_labels(void *user, const ost_volume *ct, int32_t threshold, ost_volume *labels,
                                      ost_error *err);
@@ -342,7 +342,7 @@ typedef struct ost_import_options {
     /* Threshold. 0 selects the threshold stored in the file if the file is a bone, and otherwise 120. */
     int32_t threshold;
     int chunk_size;           /* side length of a chunk in voxels; 0 selects 32 */
-    /* True if `resample` selects the rule. Otherwise the rule is linear or, for a label map, nearest. */
+    /* True if `resample` selects the resampling rule. Otherwise, the rule is linear or, for a label map, nearest. */
     bool has_resample;
     ost_resample resample;    /* resampling rule; used only if has_resample is true */
     ost_duplicates duplicates;
@@ -369,8 +369,8 @@ typedef struct ost_import_options {
     bool mask_fill;           /* true to set selected voxels below the threshold to the threshold */
     /*
      * Function that is called after the mask was applied, or NULL. The bone consists of the voxels to which the
-     * function assigns a label, as if its labels were a mask with all labels selected and with mask_fill. Not supported
-     * for CTs given as text.
+     * function assigns a label. The label map is applied like a mask of which all labels are selected, with mask_fill
+     * set. Not supported for CTs given as text.
      */
     ost_import_labels *labels;
     void *labels_user;
@@ -418,8 +418,8 @@ typedef struct ost_import_result {
  * for resampling or the size of a chunk is unknown, or if the function `labels` makes no label map on the grid of the
  * CT. Returns OST_ERR_RANGE if another option is out of range, OST_ERR_INPUT if the mask does not fit the CT or selects
  * no voxel, and OST_ERR_CANCELLED if a progress function returns false. Returns the error of the function `labels`. The
- * other errors are read errors of the CT, of the mask and of the file with its names, and backend errors (backend.h).
- * The rule about child processes is that of ost_volume_read.
+ * other errors are read errors of the CT, of the mask and of mask_names_file, and backend errors (backend.h). The rule
+ * about child processes is that of ost_volume_read.
  */
 OST_API ost_status ost_import(ost_backend *backend, const char *path, const ost_import_options *options, ost_bone **out,
                               ost_import_result *result, ost_error *err);

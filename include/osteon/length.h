@@ -42,13 +42,12 @@ OST_API void ost_pm3_widen(ost_pm3 *lo, ost_pm3 *hi, ost_pm3 p);
  *   value = +-(|mantissa| + tail / 10^18) * 10^exponent
  *
  * `mantissa` contains the sign and the first 18 significant digits, and `tail` contains the next 18. `inexact` is true
- * if the tail or a later digit is not 0; `more` is true if a digit after the tail is not 0. `places` is the number of
- * digits written after the point minus the written exponent, so the last digit has the unit 10^-places. For example,
- * places is 2 for 1.250e1, and -3 for 12e3.
+ * if the tail or a later digit is not 0; `more` is true if a digit after the tail is not 0. The last digit written has
+ * the unit 10^-places. For example, `places` is 2 for 1.250e1, and -3 for 12e3.
  *
  * 36 digits suffice for every rounding here (AR-LEN-2). A tie is a value for which value * 10^9 or value * 2^30 is
- * exactly between two integers. It has at most 31 digits after the point, so digits beyond the 36th can only make a
- * value greater than the tie.
+ * exactly between two integers. A tie has at most 31 digits after the point. If the first 36 digits of a value are
+ * those of a tie, the other digits can only make the value greater than the tie.
  */
 typedef struct ost_decimal {
     int64_t mantissa; /* |mantissa| < 10^18 */
@@ -72,7 +71,7 @@ OST_API const char *ost_decimal_read(const char *text, const char *end, ost_deci
  * Computes value * factor, rounded half to even, for factor >= 1. The rounding is correct for decimals of up to 36
  * significant digits. It is correct for any number of digits if the factor is a product of powers of 2 and 10 and no
  * tie has more than 36 digits. A tie is a value for which the product is exactly between two integers. Returns false if
- * the result does not fit int64. If exact is not NULL, sets *exact to true if nothing was rounded, and to false
+ * the result does not fit in an int64. If exact is not NULL, sets *exact to true if nothing was rounded, and to false
  * otherwise.
  */
 OST_API bool ost_decimal_scale(const ost_decimal *value, uint64_t factor, int64_t *out, bool *exact);

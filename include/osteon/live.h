@@ -15,8 +15,8 @@
  * it is taken. Because bone is only removed, such a chunk may contain voxels that have just been removed; the next
  * call of ost_live_take corrects the chunk.
  *
- * ost_bone_occupancy copies the words from the backend. `cpu` and `ref` copy them fast enough for a tick. `cl`
- * reads them from the device and blocks until they arrive, as for the report of a removal. `plugin` cannot deliver
+ * ost_bone_occupancy copies the words from the backend. `cpu` and `ref` copy them fast enough for a tick. `cl` reads
+ * them from the device and blocks until they arrive, as it does for the report of a removal. `plugin` cannot deliver
  * words of occupancy, so ost_live_create returns OST_ERR_UNAVAILABLE for it.
  *
  * Threads: ost_live_changed, ost_live_publish and ost_live_flush are called on the servo thread. ost_live_state_get and
@@ -79,7 +79,7 @@ OST_API ost_status ost_live_flush(ost_live_channel *live, ost_error *err);
 /* ---------------------------------------------------------- viewer thread */
 
 /*
- * Copies the newest state, which may be the state of the previous call. Returns false if no state has been
+ * Copies the newest state, which may be the state that the previous call copied. Returns false if no state has been
  * published.
  */
 OST_API bool ost_live_state_get(ost_live_channel *live, ost_live_state *out);

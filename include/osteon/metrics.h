@@ -144,8 +144,8 @@ typedef struct ost_metrics {
     /* Width and height of the face from rim to rim. NAN if the rim is not on the map. */
     double width_before_mm, width_after_mm, height_before_mm, height_after_mm;
     bool hole;                          /* true if a drill removed bone below the plan's centre */
-    double hole_depth_mm;               /* deepest position of the drill's tip, by the definition of reach_mm */
-    /* angle and entry point of the drill, by the definitions of tilt_deg and entry_mm */
+    double hole_depth_mm;               /* deepest position of the drill's tip, defined as reach_mm is */
+    /* angle of the drill, defined as tilt_deg is, and distance to its axis, defined as entry_mm is */
     double hole_angle_deg, hole_entry_mm;
     /* Diameter, computed from the mean area of the hole's slices; NAN if no slice is complete. */
     double hole_diameter_mm;

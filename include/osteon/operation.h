@@ -60,8 +60,8 @@ typedef struct ost_operation_options {
     const ost_safety_params *safety; /* read by ost_operation_create; NULL selects the defaults */
     /*
      * The following members are for an operation that continues an earlier one: the number of ticks of the earlier
-     * operation, its last tick, and the state of the motor after that tick. For any other operation, these members
-     * are zero and NULL.
+     * operation, its last tick, and the state of the motor after that tick. For any other operation, these members are
+     * zero or NULL.
      */
     uint64_t steps_before;
     const ost_tick *last;    /* read by ost_operation_create */
@@ -73,7 +73,7 @@ typedef struct ost_operation_options {
 } ost_operation_options;
 
 /*
- * Creates an operation on a world. The world must outlive the operation, and while the loop runs, only the servo
+ * Creates an operation on a world. The world must outlive the operation, and while the servo loop runs, only the servo
  * thread may use the world. An operation that continues an earlier operation begins 1 ms after the last tick of the
  * earlier operation, at the last pose of the tool. If the device is more than 5 mm away from this pose, there is a
  * fault until the device returns to the pose. options may be NULL. Returns OST_ERR_USAGE if world is NULL or
@@ -86,10 +86,10 @@ OST_API ost_status ost_operation_create(ost_world *world, const ost_operation_op
 OST_API void ost_operation_free(ost_operation *operation);
 
 /*
- * Runs one tick. This function is an ost_servo_tick. A pose that a hand cannot have reached is a fault: the tool
- * does not move, no bone is removed, and the force is 0 until the device is again within 5 mm of the tool's pose.
- * The tool also does not move during a drop-out, while the device reports that tracking is lost. A drop-out is not
- * a fault, but it is recorded and counted. If the backend fails, returns false, which stops the loop.
+ * Runs one tick. This function is an ost_servo_tick. A pose that a hand cannot have reached is a fault: the tool does
+ * not move, no bone is removed, and the force is 0 until the device is again within 5 mm of the tool's pose. The tool
+ * also does not move during a drop-out, while the device reports that tracking is lost. A drop-out is not a fault, but
+ * it is recorded and counted. Returns false, which stops the loop, if the backend fails.
  */
 OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample, ost_wrench *wrench);
 /*
@@ -98,7 +98,7 @@ OST_API bool ost_operation_tick(void *operation, const ost_servo_sample *sample,
  */
 OST_API void ost_operation_keys(ost_operation *operation, uint32_t active);
 /*
- * Loads the bone, tables and code of the next tick into the caches. Changes no state. This function is an
+ * Loads the bone, tables and code needed for the next tick into the caches. Changes no state. This function is an
  * ost_servo_rehearse.
  */
 OST_API void ost_operation_rehearse(void *operation);

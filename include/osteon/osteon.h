@@ -17,7 +17,7 @@
  *   motor.h     the motor that turns a tool          segment.h    a CT divided into bones
  *   anatomy.h   spheres and landmarks of a scapula   difference.h the class of the difference between two grids
  *
- * Threads: each header states at its head on which threads its functions may be called.
+ * Threads: the comment at the top of each header states on which threads its functions may be called.
  */
 #ifndef OSTEON_H
 #define OSTEON_H

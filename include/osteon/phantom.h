@@ -4,9 +4,9 @@
  *
  * A phantom is a CT: densities in HU on a rect grid whose size and spacing are taken from Table 3.1 of the thesis. The
  * densities include the partial volume effect, and noise that is generated from a seed. The same seed gives the same
- * grid on every machine, because the noise is computed with integers and no libm function except sqrt is used. meta
- * contains the position and axis of the glenoid, the side (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS, OST_META_SIDE),
- * and the landmarks of the scapula (OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE).
+ * grid on every machine, because the noise is computed with integers and no libm function except sqrt is used. The meta
+ * of the volume contains the position and axis of the glenoid, the side (OST_META_GLENOID_AT, OST_META_GLENOID_AXIS,
+ * OST_META_SIDE), and the landmarks of the scapula (OST_META_TRIGONUM, OST_META_INFERIOR_ANGLE).
  *
  * Threads: the functions share no state; an object may be used by one thread at a time, or read by several.
  */
@@ -83,8 +83,8 @@ OST_API const char *ost_tool_kind_name(ost_tool_kind kind);
 OST_API bool ost_tool_has_shaft(ost_tool_kind kind);
 /*
  * Creates the closed mesh of a tool in the frame of the tool. options may be NULL. Returns OST_ERR_USAGE if this kind
- * of tool lacks the part, or if a length or the number of segments is out of range. Returns OST_ERR_MEMORY if memory is
- * exhausted. The caller frees *out with ost_mesh_free.
+ * of tool does not have the part options->part, or if a length or the number of segments is out of range. Returns
+ * OST_ERR_MEMORY if memory is exhausted. The caller frees *out with ost_mesh_free.
  */
 OST_API ost_status ost_tool_make(ost_tool_kind kind, const ost_tool_options *options, ost_mesh *out, ost_error *err);
 

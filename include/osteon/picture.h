@@ -46,12 +46,12 @@ typedef struct ost_slices_options {
     /* Level and width of the grey-scale window in HU. If both are 0, they are set to 400 and 1800. */
     int level, width;
     int pixels;           /* length of the longest side of a slice in pixels; 0 selects 480 */
-    bool unoriented;      /* true if the patient's directions are unknown and are not drawn */
+    bool unoriented;      /* true if the patient's directions are unknown, so that they are not drawn */
 } ost_slices_options;
 /*
  * Draws the slices. If `before` is not NULL, voxels that are active in `before` but not in `volume` are coloured.
  * Returns OST_ERR_USAGE if a volume has no voxels, if the geometries of the volumes differ, or if options->width is
- * less than 1 and options->level and options->width are not both 0. Returns OST_ERR_RANGE if the grid does not contain
+ * less than 1, unless options->level and options->width are both 0. Returns OST_ERR_RANGE if the grid does not contain
  * the voxel options->at, or if the picture is larger than ost_picture_init accepts. Returns OST_ERR_MEMORY if memory is
  * exhausted. The caller frees *out with ost_picture_free.
  */
@@ -63,10 +63,10 @@ OST_API ost_status ost_picture_slices(const ost_volume *volume, const ost_volume
  * centre of the view.
  */
 typedef struct ost_view_options {
-    /* Direction of view, from the eye into the scene, in the bone's frame. 0 0 0 selects the direction to
-     * posterior, which is (0 1 0) in LPS. */
+    /* Direction of view, from the eye into the scene, in the bone's frame. (0, 0, 0) selects the
+     * posterior direction, which is (0, 1, 0) in LPS. */
     double direction[3];
-    double up[3];         /* upward direction in the bone's frame; 0 0 0 selects superior, which is (0 0 1) */
+    double up[3];         /* upward direction in the bone's frame; (0, 0, 0) selects superior, which is (0, 0, 1) */
     int32_t threshold;    /* voxels at or above this density are active; 0 selects 120 */
     int width, height;    /* size of the picture in pixels; if both are 0, they are set to 800 */
     double centre_mm[3];  /* centre of the view; used only if extent_mm > 0 */
@@ -78,13 +78,13 @@ typedef struct ost_view_options {
     int threads;          /* number of threads; 0 selects one for each processor */
 } ost_view_options;
 /*
- * Draws a view of the active voxels with a scale bar and the patient's directions, as `osteon render` does
- * (render.h). The voxels must be cubes. If `before` is not NULL, the newly exposed surface is coloured by its depth
- * below the surface of `before`, and a legend is drawn. Returns OST_ERR_USAGE if a volume has no voxels, if the
- * geometries of the volumes differ, or if options->direction and options->up are parallel. Returns OST_ERR_RANGE if the
- * voxels are not cubes, if a side of the picture is not within 1 to OST_FRAME_MAX pixels, or if the camera is too far
- * away, and OST_ERR_MEMORY if memory is exhausted. OST_ERR_USAGE and OST_ERR_UNAVAILABLE are also returned for an
- * instruction set in the environment variable OSTEON_ISA that is unknown or not available. The caller frees *out with
+ * Draws a view of the active voxels with a scale bar and the patient's directions, as `osteon render` does (render.h).
+ * The voxels must be cubes. If `before` is not NULL, the newly exposed surface is coloured by its depth below the
+ * surface of `before`, and a legend is drawn. Returns OST_ERR_USAGE if a volume has no voxels, if the geometries of the
+ * volumes differ, or if options->direction and options->up are parallel. Returns OST_ERR_RANGE if the voxels are not
+ * cubes, if the width or the height is not within 1 to OST_FRAME_MAX pixels, or if the camera is too far away, and
+ * OST_ERR_MEMORY if memory is exhausted. If the instruction set in the environment variable OSTEON_ISA is unknown,
+ * returns OST_ERR_USAGE; if this machine lacks it, returns OST_ERR_UNAVAILABLE. The caller frees *out with
  * ost_picture_free.
  */
 OST_API ost_status ost_picture_view(const ost_volume *volume, const ost_volume *before, const ost_view_options *options,

@@ -15,30 +15,30 @@
  * defines the results of the stages; the names of its rules begin with AR-.
  * examples/plugin contains a complete plugin, in C and in OpenCL.
  *
- * Binary interface.  OST_PLUGIN_ABI is the version number of the interface; the host rejects a
- * table with a different number.  Every struct begins with its size in bytes, as defined by the
- * version of the program that writes the struct.  Later versions only add members at the end.  Code
- * that reads a struct accesses a member only if the struct's `size` includes the member.  All
- * integers are little-endian and naturally aligned (LP64).  Consecutive structs in an array are
- * `stride` bytes apart.
+ * Binary interface. OST_PLUGIN_ABI is the version number of the interface; the host rejects a table
+ * with a different number. Every struct begins with its size in bytes. This is the size in the
+ * version of this header with which the writer of the struct was compiled. Later versions only add
+ * members at the end. Code that reads a struct accesses a member only if the struct's `size`
+ * includes the member. All integers are little-endian and naturally aligned (LP64). Consecutive
+ * structs in an array are `stride` bytes apart.
  *
  * Threads.  The host makes one call at a time to an instance and its objects, but
  * not always on the same thread.  A plugin may create threads; they must not call
  * the host after a slot has returned.  The file remains loaded until the process
  * ends.
  *
- * Lifetimes.  The arguments of a slot are valid until the slot returns; the plugin
- * must copy any data that it uses later.  The host owns the objects that slots
- * create, and frees each object by its free slot before it calls close.
+ * Lifetimes. The arguments of a slot are valid until the slot returns; the plugin must
+ * copy any data that it uses later. The host owns the objects that slots create, and
+ * frees each object with the matching free slot before it calls close.
  *
- * Errors.  A slot returns an ost_plugin_status and, unless this is OST_PLUGIN_OK,
- * writes one line of text for the user to error->text.  A slot that fails must
- * leave all objects unchanged.  If it may have changed an object, it returns
- * OST_PLUGIN_LOST, and the host does not use the object again.  No exception and
- * no longjmp may leave a slot.  The host checks the statuses, objects, chunk
- * numbers and reports that it receives, and treats an invalid one as an error.  A
- * plugin that writes beyond the bounds of its arguments can crash the process, so
- * `osteon validate` runs each backend in a process of its own.
+ * Errors. A slot returns an ost_plugin_status and, unless this is OST_PLUGIN_OK, writes
+ * one line of text for the user to error->text. A slot that fails must leave all
+ * objects unchanged. If it may have changed an object, it returns OST_PLUGIN_LOST, and
+ * the host does not use the object again. No exception and no longjmp may leave a slot.
+ * The host checks the statuses, objects, chunk numbers and reports that it receives,
+ * and treats invalid ones as errors. A plugin that writes beyond the bounds of its
+ * arguments can crash the process, so `osteon validate` runs each backend in a process
+ * of its own.
  */
 #ifndef OSTEON_PLUGIN_H
 #define OSTEON_PLUGIN_H
@@ -78,7 +78,10 @@ typedef struct ost_plugin_error {
     char *text;         /* one line of text; empty before the call */
 } ost_plugin_error;
 
-/* A dense grid. Lengths are exact, in picometres (10^-9 mm). Voxel (i, j, k) is element i + dims[0] (j + dims[1] k). */
+/*
+ * A dense grid. Lengths are exact, in picometres (10^-9 mm).
+ * Voxel (i, j, k) is element i + dims[0] * (j + dims[1] * k).
+ */
 typedef struct ost_plugin_geometry {
     uint32_t size;
     int32_t dims[3];
@@ -157,7 +160,8 @@ typedef struct ost_plugin_int128 {
  *
  *   exact     (origin[a] + i column[0][a] + j column[1][a] + k column[2][a]) / divisor
  *             in units of 2^-20 tool voxel
- *   integer   the base from the host's block_base, and step; these integers define the result
+ *   integer   base, which the host's block_base computes, and step; these integers define
+ *             the result
  *   affine    affine[a][0] i + affine[a][1] j + affine[a][2] k + affine[a][3] in tool
  *             voxels; the doubles nearest to the exact map, for plugins that compute
  *             in floating point

@@ -60,12 +60,12 @@ typedef struct ost_segment {
 } ost_segment;
 
 /*
- * Finds the components of a CT (AR-SEG-1 to AR-SEG-5). If the option `separate` is set, divides them at necks (AR-SEG-7
- * to AR-SEG-9). *labels is a volume with the geometry of the CT; each of its voxels contains a label, or 0. *out is an
- * array of the components in descending order of size; components of equal size are in the order of their first voxels.
- * Returns OST_ERR_USAGE if the CT has no voxels. Returns OST_ERR_RANGE if an option is out of range or more than
- * OST_SEGMENT_LABELS_MAX components have at least min_voxels, and OST_ERR_MEMORY if memory is exhausted. The caller
- * frees *labels by ost_volume_free and *out by ost_segments_free.
+ * Finds the components of a CT (AR-SEG-1 to AR-SEG-5). If the option `separate` is set, the components are divided at
+ * necks (AR-SEG-7 to AR-SEG-9). *labels is a volume with the geometry of the CT; each of its voxels contains a label,
+ * or 0. *out is an array of the components in descending order of size; components of equal size are in order of their
+ * first voxels. Returns OST_ERR_USAGE if the CT has no voxels. Returns OST_ERR_RANGE if an option is out of range or
+ * more than OST_SEGMENT_LABELS_MAX components have at least min_voxels, and OST_ERR_MEMORY if memory is exhausted. The
+ * caller frees *labels with ost_volume_free and *out with ost_segments_free.
  */
 OST_API ost_status ost_segment_volume(const ost_volume *ct, const ost_segment_options *options, ost_volume *labels,
                                       ost_segment **out, size_t *count, ost_error *err);

@@ -51,8 +51,8 @@ OST_API const char *ost_session_header_get(const ost_session_header *header, con
 /* Returns the number of keys of a header. */
 OST_API int ost_session_header_count(const ost_session_header *header);
 /*
- * Stores a key and its value in *key and *value. `index` is the number of the key, from 0, in the order in which the
- * keys were set. The strings are valid until the header is changed or freed.
+ * Stores a key and its value in *key and *value. `index` is the position of the key, counted from 0, in the order in
+ * which the keys were set. The strings are valid until the header is changed or freed.
  */
 OST_API void ost_session_header_entry(const ost_session_header *header, int index, const char **key,
                                       const char **value);
@@ -70,7 +70,7 @@ enum {
 };
 
 typedef struct ost_session_tick {
-    uint64_t number; /* number of the tick, from 0; if a number is missing, the record of its tick was lost */
+    uint64_t number; /* number of the tick, counted from 0; if a number is missing, its record was lost */
     ost_tick tick;   /* input of the world */
     uint32_t flags, buttons;
     /* The results of the step. */
@@ -176,7 +176,8 @@ OST_API ost_status ost_session_path(ost_session *session, ost_path *out, ost_err
 OST_API ost_status ost_session_repair(ost_session *session, const char *out, ost_error *err);
 /*
  * Writes a CSV table for other programs, with one line per tick. The columns of a path come first, followed by all
- * other columns (docs/spec/session.md). The errors and the position of the reader are those of ost_session_repair.
+ * other columns (docs/spec/session.md). The errors are those of ost_session_repair. Afterwards, the reader is at the
+ * start of the session.
  */
 OST_API ost_status ost_session_write_csv(ost_session *session, const char *out, ost_error *err);
 
@@ -201,7 +202,7 @@ typedef struct ost_recorder_options {
 } ost_recorder_options;
 
 typedef struct ost_recorder_state {
-    uint64_t put, written, lost; /* numbers of records: put into the ring, written to the file, and lost */
+    uint64_t put, written, lost; /* numbers of records put into the ring, written to the file, and lost */
     uint64_t written_bytes;
     bool failing;                /* true if the last attempt to write failed; the write will be repeated */
     char reason[160];            /* the reason for the failure, if `failing` is true */
