@@ -8,8 +8,8 @@
  * ost_world_step is the only function that advances the world; live, scripted
  * and replayed sessions all call it.
  *
- * Threads: a world, its bone and its tools may be used by one thread at a time.  The functions
- * without a world, a bone or a tool share no state.
+ * Threads: a world, its bone and its tools may be used by one thread at a time. Functions that
+ * take no world, bone or tool share no state.
  */
 #ifndef OSTEON_SIM_H
 #define OSTEON_SIM_H
@@ -84,12 +84,12 @@ typedef struct ost_step_result {
 
 /*
  * Advances the world by one tick. Returns OST_ERR_RANGE if the pose is invalid, if the tool jumps or rotates beyond the
- * limits of AR-SWEEP, or if the motor rotates it by more than 90 degrees since the last event. Returns OST_ERR_USAGE if
- * the world has no tool with the index tick->tool, if time does not increase, or if tick->rpm is out of range or
- * OST_RPM_OF_DEVICE. Returns OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h). After an error, the
- * world remains unchanged. If the backend fails while it changes the bone, however, the bone may be lost (backend.h);
- * ost_world_failover restores it. Does not allocate after ost_world_reserve, except for a new copy of the bone
- * (saved_ticks). result may be NULL.
+ * limits of AR-SWEEP, or if the motor has rotated it by more than 90 degrees since the last event. Returns
+ * OST_ERR_USAGE if the world has no tool with the index tick->tool, if time does not increase, or if tick->rpm is out
+ * of range or equals OST_RPM_OF_DEVICE. Returns OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h).
+ * After an error, the world remains unchanged. If the backend fails while it changes the bone, however, the bone may be
+ * lost (backend.h); ost_world_failover restores it. Does not allocate after ost_world_reserve, except for a new copy of
+ * the bone (saved_ticks). result may be NULL.
  */
 OST_API ost_status ost_world_step(ost_world *world, const ost_tick *tick, ost_step_result *result, ost_error *err);
 /*
@@ -108,16 +108,17 @@ OST_API ost_status ost_world_rehearse(ost_world *world, int tool, const ost_pose
 OST_API uint64_t ost_step_digest(const ost_step_result *result, int classes);
 
 /*
- * Failover: continues a world on another backend after a permanent failure, for instance a lost device. The bone
- * and the tools are created on the other backend, bit-identical to their state after the last complete tick, and
+ * Failover: continues a world on another backend after a permanent failure, for instance a lost device. The bone and
+ * the tools, in their state after the last complete tick, are copied bit-identically to the other backend. The copies
  * replace the bone and the tools of the world.
  *
  *   stored copy --upload--> bone --repeat the later ticks--> state after the last complete tick
  *
- * Requires saved_ticks > 0.  The world then stores in host memory the complete grid of the bone (2 bytes per voxel),
- * the grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes.  The bone is copied when the world
- * is created, and again before a tick if saved_ticks ticks are already stored; the previous copy is freed only after
- * the new copy is complete.  Must not be called if anything other than ticks of the world has changed the bone.
+ * Requires saved_ticks > 0. The world then stores in host memory the complete grid of the bone (2 bytes per voxel), the
+ * grid of each tool (1 byte per voxel) and up to saved_ticks ticks of 48 bytes. The bone is copied when the world is
+ * created, and again before a tick if saved_ticks ticks are already stored; the previous copy is freed only after the
+ * new copy is complete. Must not be called if any function other than ost_world_step has changed the bone since the
+ * world was created.
  *
  * The caller owns *bone and the tools, which must outlive the world, and frees them with ost_bone_free and
  * ost_tool_free.  `tools` is an array of OST_WORLD_TOOLS_MAX elements, in the order of the tools' indices.  The
@@ -146,10 +147,10 @@ struct ost_glenoid;
 
 /*
  * Counts the active voxels in front of the face of a glenoid. Let w be the position along the inward axis, measured
- * from the centre of the face, and r the distance from this axis, in mm. A voxel is in front of the face if w < -(3
- * + min(r, 18)^2 / 60); a healthy rim has no such voxels. Only voxels with r <= radius_mm and w >= -reach_mm are
- * counted. If radius_mm or reach_mm is 0, there is no such limit. Returns OST_ERR_USAGE if the axis is zero or not
- * finite, OST_ERR_MEMORY if memory is exhausted, and backend errors (backend.h).
+ * from the centre of the face, and r the distance from this axis, in mm. A voxel is in front of the face if w < -(3 +
+ * min(r, 18)^2 / 60); a healthy rim has no such voxels. Only voxels with r <= radius_mm and w >= -reach_mm are counted.
+ * A radius_mm or reach_mm of 0 means no limit. Returns OST_ERR_USAGE if the axis is zero or not finite, OST_ERR_MEMORY
+ * if memory is exhausted, and backend errors (backend.h).
  */
 OST_API ost_status ost_bone_in_front(const ost_bone *bone, const struct ost_glenoid *glenoid, double radius_mm,
                                      double reach_mm, int64_t *voxels, ost_error *err);
@@ -190,7 +191,7 @@ OST_API ost_side ost_side_of_axis(const double axis[3]);
  */
 OST_API ost_status ost_glenoid_side(const double axis[3], ost_side stated, bool *left, ost_error *err);
 /*
- * Reads the header fact OST_META_SIDE. If it is missing, *out is OST_SIDE_UNKNOWN. Returns OST_ERR_INPUT if the
+ * Reads the header fact OST_META_SIDE. If it is missing, *out is set to OST_SIDE_UNKNOWN. Returns OST_ERR_INPUT if the
  * value is neither left nor right.
  */
 OST_API ost_status ost_side_from_meta(const ost_meta *meta, ost_side *out, ost_error *err);
@@ -225,9 +226,9 @@ OST_API const char *ost_builtin_name(
     ost_builtin which);
 
 /*
- * Creates a built-in path of a hand (OST_RPM_OF_DEVICE) with ticks at 1 kHz: approach, advance along the axis,
- * dwell, retreat. For `glenoid-press`, the path is that of ost_builtin_press with a length of one minute.
- * ost_motor_path converts such a path to the ticks of a rotating tool. `tool` is the tool index that the ticks
+ * Creates a built-in path of a hand: approach, advance along the axis, dwell, retreat. The ticks are 1 ms apart, and
+ * their rpm is OST_RPM_OF_DEVICE. For `glenoid-press`, the path is that of ost_builtin_press with a length of one
+ * minute. ost_motor_path converts such a path to the ticks of a rotating tool. `tool` is the tool index that the ticks
  * contain. `geometry` is the grid of the tool, whose working face points to -z. Returns OST_ERR_USAGE if `which` is
  * unknown or the axis of the glenoid is zero or not finite. Returns OST_ERR_RANGE if `geometry` exceeds a limit of
  * AR-TOOL-1 or the path leaves the range of 8 m, and OST_ERR_MEMORY if memory is exhausted; *out is then empty. The
