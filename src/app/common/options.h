@@ -25,7 +25,7 @@ typedef enum option_kind {
     OPTION_LENGTHS,  /* an ost_pm3 of positive lengths: one number for all axes, or x,y,z */
     OPTION_POINT,    /* an ost_pm3 x,y,z whose components may be negative */
     OPTION_VECTOR,   /* double[3] */
-    OPTION_CHOICE,   /* an int: the index of the value in the list `choices`, "a|b|c" */
+    OPTION_CHOICE,   /* an int: the index of the value in a list such as "a|b|c" */
     OPTION_HEADING   /* no option; the name is a heading in --help */
 } option_kind;
 

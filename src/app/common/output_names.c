@@ -13,7 +13,7 @@ static bool is_file(const char *path, const struct stat *file)
     return stat(path, &st) == 0 && st.st_dev == file->st_dev && st.st_ino == file->st_ino;
 }
 
-/* Returns true if `value` is a path of `file`, or such a path followed by ':' and a suffix. */
+/* Returns true if `value` is a path of the file with the status `file`, or such a path followed by ':' and a suffix. */
 static bool names_file(const char *value, const struct stat *file)
 {
     char path[4096];
