@@ -7,8 +7,7 @@
 #include "app/common/print.h"
 #include "app/common/result.h"
 
-/* Prints the device's buttons in the order of their bits, each with its default action. `osteon sim
-   --buttons` changes the actions. */
+/* Prints the device's buttons in bit order, each with its default action. `osteon sim --buttons` changes actions. */
 static void list_buttons(const app_state *app, json_t *row, const ost_haptic_info *info)
 {
     json_t *buttons = json_object();
