@@ -64,8 +64,8 @@ typedef struct diff_result {
 } diff_result;
 
 /*
- * Compares two volumes. Voxels are compared only if the dims are equal. *out must be zero-initialized, and diff_free
- * must be called in any case.
+ * Compares two volumes. Voxels are compared only if the dims are equal. The caller zero-initializes *out and calls
+ * diff_free, even after an error.
  */
 ost_status diff_compare(const loaded_volume *a, const loaded_volume *b, int chunk_size, size_t limit, diff_result *out,
                         ost_error *err);
