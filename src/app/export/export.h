@@ -3,7 +3,7 @@
  * The parts of `osteon export`.
  *
  *   cmd_export.c   parses the options
- *   write.c        loads the bone, selects its voxels (parts.h) and writes them as the name of the file requires
+ *   write.c        loads the bone, selects its voxels (parts.h) and writes them in the format of the extension
  *   surface.c      .stl .ply .obj
  *   picture.c      .png
  *

@@ -8,7 +8,7 @@
 /*
  * Replaces the voxels of *in with the removed voxels. A removed voxel is at or above the threshold in the bone `before`
  * and below the threshold in *in; its density is copied from `before`. All other voxels become 0. Returns an error if
- * the grids differ or if nothing was removed. *count is the number of removed voxels.
+ * the grids differ or if nothing was removed. *count is set to the number of removed voxels.
  */
 ost_status export_removed(const app_state *app, const char *before, const char *name, loaded_volume *in, int64_t *count,
                           ost_error *err);
