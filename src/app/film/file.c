@@ -255,10 +255,7 @@ static ost_status open_folder(film_file *f, ost_error *err)
     return OST_OK;
 }
 
-/*
- * Returns ffmpeg's name for the format of a video file, which follows from the file's extension. Returns NULL if the
- * extension is not in the list.
- */
+/* Returns ffmpeg's name for the video format that the extension of `target` selects, or NULL if it is unknown. */
 static const char *ffmpeg_format(const char *target)
 {
     static const char *const known[][2] = {{".mp4", "mp4"}, {".mkv", "matroska"}, {".mov", "mov"}, {".webm", "webm"}};
@@ -298,7 +295,7 @@ ost_status film_file_open(const char *target, const char *command, int fps, film
 
 /* ----------------------------------------------------------------- frames */
 
-/* Scales the frame to the largest size that fits into the video's frame, with black borders. */
+/* Scales a picture to the largest size that fits into the video, and fills the rest with black. */
 static void fit(const film_file *f, const uint32_t *pixels, int width, int height)
 {
     int w = f->width, h = (int)((int64_t)height * f->width / width);
@@ -317,8 +314,8 @@ static void fit(const film_file *f, const uint32_t *pixels, int width, int heigh
 }
 
 /*
- * Converts RGB to BT.709 with the range 16 to 235. The constants 4224 and 32896 are 256 times the offsets 16.5 and
- * 128.5. The added half rounds the shifted value to nearest.
+ * Converts RGB to BT.709 with the range 16 to 235. The constants 4224 and 32896 are 256 times 16.5 and 128.5. These are
+ * the offsets 16 and 128, plus a half so that the shift rounds to nearest.
  */
 static void to_yuv(const uint32_t *pixels, size_t count, uint8_t *y, uint8_t *cb, uint8_t *cr)
 {
