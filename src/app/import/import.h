@@ -14,14 +14,14 @@
 #include "app/input/segment_options.h"
 
 typedef struct import_args {
-    const char *name, *out, *preview; /* the CT, the bone and the page of --preview */
+    const char *name, *out, *preview; /* files: the CT, the bone, and the picture of --preview */
     ct_options ct;
     segment_options segment;
     patient_options patient;
     bool compress;
 } import_args;
 
-/* Makes a bone of the CT, writes it and reports the result. */
+/* Makes a bone from the CT, writes the bone and reports the result. */
 ost_status import_ct(app_state *app, const import_args *args, ost_error *err);
 
 /*
