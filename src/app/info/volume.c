@@ -40,7 +40,7 @@ static ost_status digest_grid(const app_state *app, const char *name, const load
     return status;
 }
 
-/* Reads the voxels, and prints the number of solid voxels and the digest of the grid that a verb would make of them. */
+/* Reads the voxels, and prints the number of solid ones and the digest of the grid that a verb would make from them. */
 static ost_status digest_volume(const app_state *app, const char *name, ost_error *err)
 {
     loaded_volume loaded;
