@@ -179,7 +179,7 @@ ost_status bone_to_volume(const ost_bone *bone, const ost_meta *meta, ost_volume
  * Opens a session and warns if its recording is incomplete or damaged. The caller closes *out with ost_session_close.
  */
 ost_status load_session(const app_state *app, const char *name, ost_session **out, ost_error *err);
-/* Reads the ticks of a session up to the first gap in the tick numbers, with the same warning. */
+/* Reads the ticks of a session up to the first gap in the tick numbers. Warns as load_session does. */
 ost_status load_session_path(const app_state *app, const char *name, ost_path *out, ost_error *err);
 
 /*

@@ -47,7 +47,7 @@ ost_status target_find(const app_state *app, const target_options *options, cons
 ost_status target_side(const target_options *options, const ost_meta *meta, const char *bone, ost_side *out,
                        ost_error *err);
 
-/* Numbers of gaps in the paths (a tool is lifted at each gap) and of rows without a pose. */
+/* Number of gaps in the paths, at which a tool is lifted, and number of rows without a pose. */
 typedef struct ream_gaps {
     size_t gaps, lost_rows;
 } ream_gaps;

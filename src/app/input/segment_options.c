@@ -12,8 +12,8 @@
 
 enum { SHOWN = 10, HEADS = 8 };
 /*
- * The ball of --cut-head is larger than the humeral head by this length. It also covers the head's cartilage and the
- * voxels that only partly belong to the head.
+ * The radius of the ball of --cut-head exceeds that of the humeral head by this length. The ball therefore also covers
+ * the head's cartilage and the voxels that only partly belong to the head.
  */
 #define HEAD_MARGIN (OST_PM_PER_MM)
 /*
