@@ -15,9 +15,9 @@
 #include "render/views.h"
 
 enum { MARGIN = CHART_MARGIN, TOP = 56, PLANES_HIGH = 500, CAPTION = 26, TABLE_GAP = 28 };
-#define MARKS 1.25 /* size of the marks in the surface view, in pixels per unit */
+#define MARKS 1.25 /* size of a unit of the marks in the surface view, in pixels (marks.h) */
 enum { SURFACE_LEAST = 440, SURFACE_MOST = 640 };   /* limits of the width of the surface view, in pixels */
-/* distance in mm around the parts up to which the planes show the CT */
+/* width in mm of the margin of CT that the planes show around the parts */
 enum { AROUND_MM = 25 };
 enum { THRESHOLD = 120 };                           /* in HU; default threshold of both verbs */
 /* values for voxels that belong to no part; the labels of parts start at 1 */
@@ -228,7 +228,7 @@ static ost_status draw_planes(const preview_input *in, const extent *e, ost_pict
 
 /*
  * Makes the volume that ost_view_draw draws. Each of its voxels is a cube with the label of the nearest voxel of the
- * input. A cube is as wide as an input voxel along x, or wider if there would be too many cubes.
+ * input. A cube is as wide as an input voxel along x, or wider if there would otherwise be too many cubes.
  */
 static ost_status make_surface(const preview_input *in, const extent *e, ost_volume *out, ost_error *err)
 {

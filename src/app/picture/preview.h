@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Draws one picture of a CT and of the parts that a verb made of it: three planes, a surface and a
+ * Draws a picture of a CT and of the parts that a verb made from it: three planes, a surface and a
  * table.
  *
  *   .--------------------------------------------.

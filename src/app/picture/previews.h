@@ -23,7 +23,7 @@ ost_status preview_import(const app_state *app, const char *path, const char *na
                           const ct_options *ct, const ost_bone *bone, const ost_import_result *result,
                           ost_error *err);
 
-/* The input of the picture of a segmentation. All pointers are borrowed. */
+/* The inputs of preview_segment. All pointers are borrowed. */
 typedef struct preview_labels {
     const char *name, *out;          /* file names of the CT and of the labels */
     /* In labels->meta, the facts whose keys begin with "segment_" describe the options of the segmentation. */
