@@ -80,8 +80,8 @@ ost_status ream_fail_over(const app_state *app, ream_job *j, size_t ticks, ost_e
 /* Executes all ticks. */
 ost_status ream_run(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
-/* Writes the bone after everything that the report needs has been read from the backend. A failure of the backend
-   therefore leaves no file. */
+/* Reads all data for the report from the backend and then writes the bone, so that a failure of the backend leaves no
+   file. */
 ost_status ream_take_results(const ream_args *args, ream_job *j, ost_error *err);
 /* Prints the results of the run, and adds them to the verb's JSON object. */
 ost_status ream_report(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
