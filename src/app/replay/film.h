@@ -40,7 +40,7 @@ ost_status replay_film_check(const app_state *app, replay_film_options *options,
  */
 ost_status replay_film_begin(const app_state *app, const replay_film_options *options, replay *r,
                              const ost_metrics_plan *plan, replay_film **out, ost_error *err);
-/* Completes the video and reports it. */
+/* Completes the video and prints its report. */
 ost_status replay_film_end(const app_state *app, replay_film *f, ost_error *err);
 void replay_film_free(replay_film *f); /* f may be NULL */
 

@@ -2,7 +2,7 @@
 /*
  * Compares a replay with its recording, and locates the first difference.
  *
- * The end of the session is compared by the counts and the digest of the bone. A difference is located with a second
+ * At the end of the session, the counts and the digest of the bone are compared. A difference is located with a second
  * backend: the same ticks are run on the reference, and a comparison of the two bones yields the chunk and the voxel.
  */
 #ifndef OST_APP_REPLAY_VERIFY_H
@@ -14,7 +14,7 @@
 typedef struct replay_ending {
     bool found;     /* true if the file contains an end record */
     bool complete;  /* true if the file contains an end record and every tick before it */
-    bool compared;  /* true if the replay reached the end of the session, so that the ends were compared */
+    bool compared;  /* true if the replay reached the end of the session and the ends were therefore compared */
     uint64_t ticks; /* number of recorded ticks, from the end record or, without one, from the last readable tick */
     ost_session_end end;
     ost_world_totals totals;
