@@ -28,8 +28,8 @@ typedef struct sim_scene {
 ost_status sim_scene_make(sim_scene *scene, const option_list *names, ost_tool *const *tools, const ost_geometry *bone,
                           const ost_metrics_plan *plan, ost_error *err);
 /*
- * Sets the scales of the forces. max_n is the maximum of the device. The hand force is the contact force multiplied
- * by `scale`.
+ * Sets the scales of the forces. max_n is the device's maximum force. The hand force is the contact force multiplied by
+ * `scale`.
  */
 void sim_scene_forces(sim_scene *scene, double max_n, double scale);
 /*

@@ -22,8 +22,8 @@ enum {
 enum { SHADE = 150, LINE = 220 };
 enum { ROWS = 9, ROW_TEXT = 64, FOOT_LINES = 4, FOOT_TEXT = 200 };
 /*
- * PLAIN and LARGE are the heights of capital letters in units. LEAST and MOST limit the size of a unit, in pixels at 96
- * dpi.
+ * PLAIN and LARGE are the heights of capital letters in units. At 96 dpi, a unit has at least LEAST and at most MOST
+ * pixels.
  */
 static const double PLAIN = 9.5, LARGE = 13, LEAST = 0.75, MOST = 4;
 

@@ -21,7 +21,7 @@
 typedef struct sim_hud_facts {
     const char *tool;     /* name of the tool, for example "reamer" */
     const char *device;
-    int number, tools;    /* number of the current tool, from 1, and number of all tools */
+    int number, tools;    /* number of the current tool, counted from 1, and total number of tools */
     bool running;         /* false before the first tick */
     double seconds;       /* time since the operation began */
     double contact_n, force_n;           /* contact force on the bone, and hand force on the device, in newtons */

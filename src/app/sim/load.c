@@ -134,7 +134,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
         .start = start,
         .gaps = args->gaps,
     };
-    /* The device opens the session itself; here it is opened for the warning about missing ticks. */
+    /* The device opens the session itself. This call only prints the warning about missing ticks. */
     if (sim_device_is(args, "replay") && (status = load_session(app, args->session, &session, err)) == OST_OK)
         ost_session_close(session);
     return status == OST_OK ? ost_haptic_open(args->device, &setup, &s->device, err) : status;

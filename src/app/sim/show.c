@@ -49,7 +49,7 @@ static ost_status use_mesh(sim_show *show, ost_error *err)
     return status == OST_OK ? ost_viewer_use_mesh(&show->viewer, show->mesher, err) : status;
 }
 
-/* Resolves SIM_RENDERER_AUTO. Prints the reason if the CPU draws. */
+/* Replaces SIM_RENDERER_AUTO with the renderer to use. If the CPU draws, prints the reason. */
 static void use_card(sim_show *show)
 {
     ost_viewer_use_card(&show->viewer);

@@ -4,7 +4,7 @@
  *
  *   operation --ost_live_channel--> viewer --camera--> frames  in a window or, without a window, on a separate thread
  *
- * A sim_show reads the bone when the sim_show is created. Later, it applies the changes that the operation makes.
+ * A sim_show reads the bone once, when it is created. It then applies the changes that the operation makes.
  */
 #ifndef OST_APP_SIM_SHOW_H
 #define OST_APP_SIM_SHOW_H

@@ -114,10 +114,7 @@ ost_status sim_load(const app_state *app, const sim_args *args, simulation *s, o
 ost_status sim_force_params(const app_state *app, sim_args *args, ost_error *err);
 void sim_force_print(const app_state *app, const sim_args *args);
 enum { SIM_FORCE_KEYS = 32, SIM_LIMIT_TEXT = 160 };
-/*
- * Writes a description of the source of the force limit: "default" or, for example, "device: a sigma.7 gives 12 N,
- * 0.2 N m".
- */
+/* Describes the source of the force limit: "default" or, for example, "device: a sigma.7 gives 12 N, 0.2 N m". */
 void sim_force_limit_text(const sim_args *args, char text[SIM_LIMIT_TEXT]);
 /*
  * Makes the force model. If --force is off, there is no model. If the device cannot render forces, --force is off by
@@ -155,7 +152,7 @@ ost_status sim_resume_run(const sim_args *args, simulation *s, ost_error *err);
 
 /* Begins the film if there is a window or a video is requested. */
 ost_status sim_film_begin(const sim_args *args, simulation *s, ost_error *err);
-/* Completes the video and reports it. */
+/* Completes the video and prints its report. */
 ost_status sim_film_end(const app_state *app, const sim_args *args, simulation *s, ost_error *err);
 
 /* Runs an operation from the opening of its devices to the end of its recording, and reports it. */
