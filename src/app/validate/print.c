@@ -274,7 +274,7 @@ ost_status validate_nothing(ost_error *err)
                     "that the reference accepted");
 }
 
-/* Adds the results that the summary lacks to the JSON object. All other results are in the bundle. */
+/* Adds to the JSON object the results that the summary lacks. All other results are in the bundle. */
 ost_status validate_print(app_state *app, const validate_args *args, const campaign *c, json_t *summary,
                           const sensitivity *proof, const json_t *common, ost_error *err)
 {

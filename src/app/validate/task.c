@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Runs the task of `osteon validate` that the options select, on the cases that they select. */
+/* Runs the task that the options of `osteon validate` select, on the selected cases. */
 #include "app/validate/validate.h"
 
 #include <unistd.h>
