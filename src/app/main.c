@@ -130,8 +130,7 @@ static void catch_signals(void)
 
 /*
  * A library may end the process itself. The OpenMP runtime, for example, calls exit(1) if there is no memory for a
- * thread's stack. As an exit status of osteon, 1 would mean that grids differ, so the handler below corrects the
- * status.
+ * thread's stack. An exit status of 1 would mean that grids differ, so the handler below changes the status.
  */
 static const app_state *within_verb; /* the state of the running verb, for exit handlers; NULL between verbs */
 
