@@ -15,7 +15,7 @@
 
 #include "anatomy/scene.h"
 
-/* The test computes VALUES numbers for each phantom: ERRORS errors, and the processor time, which is only printed. */
+/* The test computes eight values for each phantom: seven errors, and the processor time, which is only printed. */
 enum { ERRORS = 7, VALUES = 8 };
 /*
  * Depth of the bone below the centre of the cartilage. The cartilage is 2.4 mm thick in the mean shape, and about 1.12

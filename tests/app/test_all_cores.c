@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The simulator reserves one core for the servo loop. Work that ends before
- * this loop starts may also use this core. After such work, the set of cores of the calling thread must be unchanged.
- * The test is skipped on a machine with one core.
+ * The simulator reserves one core for the servo loop. Work that ends before this loop starts may also use this core.
+ * After this work, the set of cores of the calling thread must be unchanged. The test is skipped on a machine with one
+ * core.
  * Covers: REQ-ALL-CORES
  */
 #include <sched.h>
