@@ -10,7 +10,7 @@
 #include "app/common/progress.h"
 #include "app/common/result.h"
 
-/* Counts of all rows of the benchmark, and the first error. */
+/* Totals of all rows. `wrong` is true if the grid of a row differs from that of the reference. */
 typedef struct tally {
     size_t rows, run;
     bool wrong;
