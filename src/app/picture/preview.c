@@ -93,7 +93,7 @@ static ost_status find_extent(const preview_input *in, extent *e, ost_error *err
 
 /* ------------------------------------------------------------------ planes */
 
-/* The section of the grid that the planes show, and the scale of the drawing. */
+/* The section of the grid that the planes show: its first voxel and its size. */
 typedef struct planes {
     const preview_input *in;
     int32_t lo[3];
