@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Opens the device that --device names. */
+/* Finds properties of the device that --device names. */
 #include "app/sim/sim.h"
 
 #include "app/common/options.h"

@@ -19,8 +19,8 @@ typedef struct recorder_watch {
 
 enum { RECORDER_WATCH_TEXT = 320 };
 /*
- * Checks the state of a recorder. The recorder writes the file `name`, and its ring has `capacity` records. Returns
- * `text` with a message, or NULL if there is no new message.
+ * Checks the state of a recorder. The recorder writes the file `name`, and its ring has `capacity` records. Writes a
+ * new message to `text` and returns `text`, or returns NULL if there is no new message.
  */
 const char *recorder_watch_update(recorder_watch *watch, const char *name, const ost_recorder_state *state,
                                   uint64_t capacity, double now_ms, char text[RECORDER_WATCH_TEXT]);

@@ -6,6 +6,7 @@
  *   args.c     checks of the options
  *   operate.c  the parts below, in order
  *   load.c     bone, tools, world, device, force
+ *   device.c   properties of the device that --device names
  *   force.c    the force model and its parameters
  *   resume.c   the ticks of a session that --resume continues
  *   film.c     pictures and a video of the operation
