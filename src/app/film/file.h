@@ -18,8 +18,8 @@ ost_status film_file_frame(film_file *file, const uint32_t *pixels, int width, i
 /* Repeats the previous frame of the video. */
 ost_status film_file_again(film_file *file, ost_error *err);
 /*
- * Closes the output and frees `file` in any case; `file` may be NULL. If an earlier call failed, the caller passes
- * NULL as err, and the output file is discarded.
+ * Closes the output and frees `file` in any case; `file` may be NULL. If err is NULL, the output file is discarded. The
+ * caller passes NULL if an earlier call failed.
  */
 ost_status film_file_close(film_file *file, ost_error *err);
 
