@@ -24,7 +24,7 @@ static bool names_file(const char *value, const struct stat *file)
     return colon && is_file(path, file);
 }
 
-/* Returns the value of an argument --NAME=VALUE, otherwise the complete argument. */
+/* Returns VALUE if the argument has the form --NAME=VALUE, otherwise the complete argument. */
 static const char *value_of(const char *word)
 {
     const char *equals = strncmp(word, "--", 2) == 0 ? strchr(word, '=') : NULL;
