@@ -15,7 +15,7 @@
 typedef struct diff_args {
     const char *name_a, *name_b, *html;
     int64_t limit; /* number of voxels to print */
-    int chunk;     /* edge length of the chunks: an index in "16|32|64" */
+    int chunk;     /* index of the edge length of the chunks in "16|32|64" */
 } diff_args;
 
 /* Compares the grids, reports the result and writes the page of --html. Returns OST_ERR_DIFFER if the grids differ. */
