@@ -3,7 +3,7 @@
  * Proposes landmarks for a bone (--landmarks auto) instead of reading them from a file.
  *
  *   bone --ost_scapula_landmarks_find--> landmarks --> header, as if they were read from a file
- *                                            '------> report with figures that state their uncertainty
+ *                                            '------> report, with the spreads of the landmarks
  */
 #ifndef OST_APP_INPUT_PROPOSAL_H
 #define OST_APP_INPUT_PROPOSAL_H
