@@ -64,7 +64,7 @@ ost_status ream_record_begin(const ream_args *args, ream_job *j, ost_error *err)
 /* Records a tick. Errors are reported when the recorder is closed. */
 ost_status ream_record_tick(ream_job *j, size_t number, const ost_step_result *step, ost_error *err);
 void ream_record_note(const ream_job *j, size_t tick, const char *text);
-/* Completes the recording and reports it. */
+/* Completes the recording and reports the name of its file. */
 ost_status ream_record_end(const app_state *app, const ream_args *args, ream_job *j, ost_error *err);
 
 /*
