@@ -83,8 +83,8 @@ void validate_print_difference(const app_state *app, const plan_case *c, const s
 }
 
 /*
- * Stores the code paths that the workers of a backend entered, and the paths that they did not enter. Prints the
- * paths that were not entered.
+ * Stores the code paths that the workers of a backend entered, and those that they did not enter. Prints only those
+ * that were not entered.
  */
 static void print_paths(const app_state *app, const path_list *list, json_t *o)
 {

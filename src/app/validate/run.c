@@ -85,8 +85,8 @@ ost_status validate_sign(app_state *app, const validate_args *args, ost_error *e
 }
 
 /*
- * Makes the object {begun, seconds: {backend: time of its workers}, cases: {case: {backend: seconds}}}; times are in
- * seconds.
+ * Makes the object {begun: TIME, seconds: {BACKEND: S, ...}, cases: {CASE: {BACKEND: S, ...}, ...}}. TIME is in UTC. S
+ * is the time of the backend's workers in seconds, in total or for a case.
  */
 static json_t *times_of(const campaign *c)
 {
