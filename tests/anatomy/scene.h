@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Phantoms of scapulae in random poses, for the tests of landmarks.
+ * Phantoms of scapulae in random poses, for the landmark tests.
  *
  *   phantom --rotated and resampled at random--> CT with noise, and the true landmarks in the frame of the CT
  */
