@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the progress line. The tested command generates a phantom of 36 million voxels, which takes many
- * seconds on any machine. Its standard error is a pseudo-terminal or a pipe. The test ends the command
- * as soon as its progress line has appeared, or when the line should have appeared.
+ * Tests the progress line. The tested command generates a phantom of 36 million voxels, which takes many seconds on any
+ * machine. Its standard error is a pseudo-terminal or a pipe. The test ends the command when the progress line appears,
+ * or when the time limit for this line has passed.
  * Covers: REQ-PROGRESS
  */
 #include "harness.h"
@@ -101,7 +101,7 @@ static char *const slow[] = {program, (char[]){"phantom"}, (char[]){"trabecular2
 static char *const quiet[] = {program, (char[]){"phantom"}, (char[]){"trabecular2"}, (char[]){"--out"}, out,
                               (char[]){"--quiet"}, NULL};
 
-/* The percentage on the line must grow, and the line must also contain the remaining time. */
+/* The line must contain the percentage and the remaining time, and must appear while the command is running. */
 static void test_on_a_terminal(void **state)
 {
     (void)state;

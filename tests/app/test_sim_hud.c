@@ -202,8 +202,8 @@ static void forces_depth_and_times_are_displayed(void **state)
     hud = NULL;
 }
 
-/* Letters are larger on larger frames and on displays with a higher pixel density. A change of the size by one pixel
-   must not change them. */
+/* Letters are larger on larger frames and on displays with a higher pixel density. A change in the frame size by one or
+   two pixels must not change the letters. */
 static void letter_size_follows_frame_size(void **state)
 {
     ost_error err = {0};
