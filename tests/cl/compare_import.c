@@ -253,7 +253,7 @@ void compare_cubic(machine *m, test_rng *rng, int rounds)
 
 typedef struct pool {
     ost_cl_bone bone;
-    size_t chunks, used, voxels; /* voxels is the number of voxels in a chunk */
+    size_t chunks, used, voxels; /* number of chunks, of chunks in use, and of voxels per chunk */
     uint32_t *slots, *words;
     int16_t *density;
 } pool;
@@ -266,8 +266,9 @@ typedef struct slab {
 } slab;
 
 /*
- * Makes a slab of slices z0 <= k < z1 of a grid. If `first` is not negative, the slab has a list of slices, which
- * begins at the element with the index `first`. A slice that equals the previous slice is then stored only once.
+ * Makes a slab of slices z0 <= k < z1 of a grid. If `first` is negative, the slab stores its slices in order.
+ * Otherwise, it has a list of slices, which begins at element `first`, and a slice that equals the previous slice is
+ * stored only once.
  */
 static slab slab_of(const int16_t *voxels, size_t slice, int32_t z0, int32_t z1, int32_t first)
 {
@@ -351,8 +352,9 @@ static void chunks_round(machine *m, test_rng *rng)
     for (int32_t k = 1; k < d.z; k++) /* Makes some slices equal to the previous slice. */
         if (rng_range(rng, 0, 2) == 0)
             memcpy(voxels + slice * (size_t)k, voxels + slice * (size_t)(k - 1), slice * 2);
-    /* The volume is uploaded as one slab, or as two slabs that meet at a random slice. A slab stores its slices in
-       one of three ways: in order, with a list so that equal slices are stored only once, or as means of two slices. */
+    /* The volume is uploaded as one slab, or as two slabs that meet at a random slice. A slab stores its slices in one
+       of three ways: in order; with a list, so that equal slices are stored only once; or with a list and weights, so
+       that each slice is the weighted mean of two stored slices. */
     const int32_t ends[3] = {0, (int32_t)rng_range(rng, 0, d.z), d.z};
     const int how = (int)rng_range(rng, 0, 2);
     const int32_t lead = (int32_t)rng_range(rng, 0, 3); /* number of unused elements before the list of slices */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Compares the voxelizer kernels with the reference, the reach in a tool's cells with the definition of reach, and
-   the results of the fingerprint kernel with a list of expected results. */
+/* Tests three kinds of kernels. The voxelizer kernels are compared with the reference, the reach in a tool's cells with
+   its definition, and the results of the fingerprint kernel with a list of expected results. */
 #include "cl/machine.h"
 
 #include "cl/fingerprint_expect.h"
@@ -115,8 +115,8 @@ static void voxelize_tiles(machine *m, test_rng *rng, const ost_snapped_mesh *me
     memset(steps, 0x33, steps_capacity * 4);
     memset(marks, 0x33, marks_capacity * 8);
     /*
-     * If `over` is true, the kernel adds to the initial number of leaking rows. Otherwise, it must overwrite this
-     * number, which is 99 here.
+     * of_tile[2] is the number of leaking rows before the launch. If `over` is true, the kernel must add to this
+     * number. Otherwise, the kernel must overwrite it.
      */
     of_tile[2] = over ? counts[2] : 99;
     for (size_t t = 0; t < lists; t++) {

@@ -146,8 +146,8 @@ ENQUEUE(clEnqueueNDRangeKernel, false,
          const size_t *local, cl_uint count, const cl_event *after, cl_event *event),
         (queue, kernel, dims, offset, global, local, count, after, event))
 /*
- * A lost device must not access the host's memory after the loss is reported. Therefore this shim waits for the device
- * even if it then reports a failure.
+ * A lost device must not access the host's memory after the loss is reported. Therefore this shim first waits for the
+ * device, even if it reports a failure afterwards.
  */
 static cl_int clFinish_shim(cl_command_queue queue)
 {

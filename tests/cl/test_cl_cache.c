@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the cache of compiled kernels: which programs are stored, and entries that are damaged, owned by others,
- * invalid or missing, and the key of an entry.
+ * Tests the cache of compiled kernels. The tests check which programs are stored, how the key of an entry is computed,
+ * and how entries are handled that are damaged, invalid, missing or owned by another user.
  */
 #include "cl/try_open.h"
 
@@ -170,7 +170,7 @@ static void damaged_cache_entries_are_replaced(void **state)
         assert_true(opened_from_cache());
     }
 
-    /* The path of the cache is first that of a file, then that of a folder that cannot be created. */
+    /* The cache path first refers to a file, and then to a folder that cannot be created. */
     setenv("XDG_CACHE_HOME", path, 1);
     assert_false(opened_from_cache());
     setenv("XDG_CACHE_HOME", "/proc/nothing", 1);
@@ -209,7 +209,7 @@ static void cache_of_other_users_is_not_used(void **state)
     assert_int_equal(chmod(folder, 0700), 0);
     assert_true(opened_from_cache());
 
-    /* A cache entry that other users may write to is replaced by a new entry that they may not write to. */
+    /* A cache entry with write permission for other users is replaced with a new entry without this permission. */
     assert_int_equal(chmod(path, 0620), 0);
     assert_false(opened_from_cache());
     assert_int_equal(stat(path, &info), 0);
@@ -256,8 +256,8 @@ static ost_digest key_now(void)
 }
 
 /*
- * The key depends on the environment variables that are settings of a driver. It does not depend on cache
- * folders or on variables of other programs.
+ * The key depends on the environment variables that configure drivers. It does not depend on cache folders or on
+ * variables of other programs.
  */
 static void cache_key_depends_on_driver_settings(void **state)
 {

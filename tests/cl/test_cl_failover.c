@@ -110,8 +110,8 @@ static void failover_after_a_random_failure(void **state)
         const int which = round % CALLS;
         const bool lost = rng_range(&rng, 0, 2) > 0;
         /*
-         * Few calls create buffers: after the first ticks all arrays have their final sizes, so only copies of the bone
-         * create buffers. Therefore one of the first 8 calls of clCreateBuffer must fail.
+         * After the first ticks, all arrays have their final sizes, so only copies of the bone create buffers. There
+         * are therefore few calls of clCreateBuffer, and one of the first 8 fails.
          */
         shim_fail(calls[which], (int)rng_range(&rng, 1, which == CALLS - 1 ? 8 : 8 << rng_range(&rng, 0, 5)), lost);
         const char *other = round % 3 ? "cpu:threads=2" : "ref";

@@ -27,7 +27,7 @@ typedef struct session {
     ost_snapped_mesh mesh;
     ost_sample samples[50];
     ost_pose poses[EVENTS][4];
-    int16_t *after[EVENTS + 1]; /* voxels of the bone: after[0] before the first event, after[n] after n events */
+    int16_t *after[EVENTS + 1]; /* after[n] contains the voxels of the bone after n events */
     ost_backend *ref;
     ost_tool *ref_tool;
 } session;
@@ -73,8 +73,8 @@ static void free_session(session *s)
     free(s->voxels);
 }
 
-/* Checks that the bone is unchanged or lost, and that the reference, continuing from the last completed tick, reaches
-   the expected final grid. */
+/* Checks that the bone either has the voxels after `done` events, or is reported as lost. Also checks that the
+   reference reaches the expected final grid if it continues from the last completed tick. */
 static void check_failover(const session *s, const ost_bone *bone, int done)
 {
     const size_t bytes = voxel_count(&s->g) * sizeof(int16_t);

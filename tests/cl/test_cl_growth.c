@@ -7,7 +7,7 @@
  * are created once or grow to their final size. After that:
  *   - every event releases every object that it creates
  *   - the size of the process changes by at most 4 MiB; in the long test, this limit
- *     detects a growth of 47 bytes per event
+ *     detects a leak of 47 bytes per event
  * The bone is filled again, by an upload, when half of it has been removed. These uploads also
  * create and release buffers. The final state must equal the reference's.
  *

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests devices and drivers with errors. A device is refused because of a property that it reports or a result that it
- * computes, and a build that fails is reported. A device that ends loops early is opened with the kernels that it can
- * still run, and performs only events with few poses. Replaced functions of OpenCL simulate the errors.
+ * Tests errors of devices and drivers, which replaced OpenCL functions simulate. A device must be refused if it reports
+ * an unsuitable property or computes a wrong result. A build that fails must be reported. A device that ends loops
+ * early must be opened with the kernels that it can run, and must refuse events with too many poses.
  */
 #include "cl/try_open.h"
 

@@ -35,7 +35,7 @@ static size_t workgroup_count(void)
 /* Kernel set of the current group of tests. */
 static const char *set;
 
-/* Number of times that each path of the set was entered. */
+/* The paths of the set, each with the number of times that it was entered. */
 enum { PATHS = 128 };
 static struct {
     char name[OST_PATH_NAME];

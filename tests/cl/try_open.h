@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Functions that open the device of OST_TEST_CL with the functions of OpenCL that a test passes, some of which may be
+ * Opens the device that OST_TEST_CL selects. The test passes the table of OpenCL functions, some of which may be
  * replaced.
  */
 #ifndef OST_TESTS_CL_TRY_OPEN_H
@@ -18,7 +18,10 @@ static inline const char *own_options(void)
     return colon ? colon + 1 : "";
 }
 
-/* Opens the device with these functions of OpenCL and these options, and closes it. Returns the status of opening. */
+/*
+ * Opens the device with the OpenCL functions `cl` and the options `text`, and closes it if it was opened. Returns the
+ * status of opening.
+ */
 static inline ost_status try_open(const ost_cl_api *cl, const char *text, ost_error *err)
 {
     ost_backend *backend;
