@@ -173,9 +173,9 @@ static void floats_represent_their_shortest_decimal(void **state)
     assert_true(ost_pm_from_float(-57.34f, &value));
     assert_int_equal(value, INT64_C(-57340000000));
     /*
-     * The floats 431/512 and -101843/512 represent exactly these values, which have nine decimal places (the
-     * exception of AR-LEN-4). The exception does not apply to 0.4882812f, which is not a multiple of 1/512, or to
-     * 4.25f, which needs only three digits.
+     * By the exception of AR-LEN-4, each of the floats 431/512 and -101843/512 represents its exact value, which has
+     * nine decimal places. The exception does not apply to 0.4882812f, which is not a multiple of 1/512, or to 4.25f,
+     * which needs only three digits.
      */
     assert_true(ost_pm_from_float(0.841796875f, &value));
     assert_int_equal(value, 841796875);

@@ -35,7 +35,8 @@ static void empty_leaf_has_the_expected_digest(void **state)
 /*
  * A grid of 40 x 33 x 65 voxels with voxel = (7x + 131y + 1009z) mod 4000 - 1000 and 12 leaves,
  * so that every axis is padded and the tree is uneven:
- *   tree(l) = l[0] if one else H(1 + tree(l[:k]) + tree(l[k:])), k the greatest power of two < len(l)
+ *   H(b) = the SHA-256 of the bytes b; the numbers 1 and 2 are one byte each
+ *   tree(l) = l[0] if len(l) == 1 else H(1 + tree(l[:k]) + tree(l[k:])), where k is the greatest power of two < len(l)
  *   root = H(2 + b"OSTEONG1" + struct.pack("<II3iI3q3qiIQ", 2, 1, 40,33,65, 0, 470000000,470000000,10**9,
  *            -57340000000,0,5, 0, 32, 12) + bytes(32) + tree)
  */
@@ -68,9 +69,8 @@ static void uneven_grid_has_the_expected_root(void **state)
 }
 
 /*
- * Each field of the header has distinct bytes, and these are nonzero wherever possible, so that a moved or
- * missing field is detected. The 128 bytes are built one by one from the table of AR-DIG-4, not from a C
- * layout:
+ * The bytes of each field of the header are distinct, and nonzero wherever possible, so that a moved or missing field
+ * is detected. The 128 bytes are built one by one from the table of AR-DIG-4, not from a C layout:
  *   leaf i: 32 bytes of i + 1, i = 0..5; tree as above
  *   h = bytearray(128); h[0:8] = b"OSTEONG1"; h[8:12] = (2).to_bytes(4, "little"); h[12:16] = (3).to_bytes(4, "little")
  *   for i: h[16+4*i:20+4*i] = dims[i].to_bytes(4, "little"); h[32+8*i:40+8*i] = spacing[i].to_bytes(8, "little")

@@ -178,7 +178,7 @@ static void pipe_is_read_as_a_file(void **state)
         assert_memory_equal(bytes, "four", 4);
         close(file.fd);
     }
-    /* ost_file_spool must have no effect on the names of regular files. */
+    /* ost_file_spool must do nothing if the path is that of a regular file. */
     put("plain", "four");
     assert_ok(ost_file_spool(at("plain"), &err));
     assert_false(ost_file_is_stream(at("plain")));

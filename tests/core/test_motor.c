@@ -114,8 +114,8 @@ static void intervals_are_divided_into_ticks(void **state)
     ost_motor motor = {0};
     assert_ok(ost_path_init(&path, 7, &err));
     path.ticks[0] = row(0, OST_RPM_OF_DEVICE, 0);
-    /* A full turn is U = 6 * 10^10. In 100 ms at 200 rpm the motor turns by U / 3, which is greater than 2 U / 8.
-       Therefore this interval has 3 parts. */
+    /* A full turn is U = 6 * 10^10, and a part is at most U / 8. In 100 ms at 200 rpm the motor turns by U / 3, which
+       is between 2 U / 8 and 3 U / 8. Therefore this interval has 3 parts. */
     path.ticks[1] = row(100, OST_RPM_OF_DEVICE, 30);
     path.ticks[2] = row(137, OST_RPM_OF_DEVICE, 40); /* the turn in 37 ms is 7.4 * 10^9, which is less than U / 8 */
     path.ticks[3] = row(1137, OST_RPM_OF_DEVICE, 50);

@@ -43,7 +43,7 @@ static void totals_are_sums(void **state)
 
 /*
  * In chunk i, class c has (i + 1)(c + 1) voxels with a density sum of -3 (i + 1)(c + 1) c. The
- * sums over three chunks are 6 (c + 1) voxels and a density of -18 (c + 1) c; there are 6 * 36
+ * sums over three chunks are 6 (c + 1) voxels and a density sum of -18 (c + 1) c; there are 6 * 36
  * voxels in total.
  */
 static void every_class_has_its_own_sum(void **state)
