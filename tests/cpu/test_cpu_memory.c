@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Measures the memory that the CPU backend needs for a bone with a complete scapula. The size of the densities in
- * the active chunks equals the size in the thesis (Table 3.2: 202 chunks of 32^3, 13.2 MB). Occupancy adds a
- * sixteenth of this size. Occupancy, tables and unused space together may add at most a tenth of this size.
+ * Measures the memory that the CPU backend needs for a bone with a complete scapula. The densities of the active chunks
+ * take 13.2 MB, as in the thesis (Table 3.2: 202 chunks of 32^3). Occupancy adds 1/16 of this size. Occupancy, tables
+ * and unused space together may add at most 1/10 of it.
  *
  * The memory is measured in two ways: as reported by the backend, chunk by chunk, and as the
  * growth of this process's anonymous memory, as reported by the system.
