@@ -12,8 +12,8 @@
  *   values[0] + (13 i + 1009 j + 30011 k + 7 i j k) mod (values[1] - values[0] + 1)
  *
  * Tests compute the expected positions and values from this text. Slice k is stored in the file prefix + (1741 * k + 5)
- * mod 4096, which is also its instance number, so that neither the names nor the instance numbers are in the order of
- * the positions.
+ * mod 4096, which is also its instance number, so that neither the names nor the instance numbers are in order of
+ * position.
  */
 #ifndef OST_TESTS_DICOM_SERIES_H
 #define OST_TESTS_DICOM_SERIES_H
@@ -38,11 +38,11 @@ struct series {
     double rows[3] = {1, 0, 0}, columns[3] = {0, 1, 0}; /* directions of a row and of a column, in LPS */
     double tilt = 0;                     /* displacement along `columns` from slice to slice, in mm */
     double thickness = 0;                /* in mm; 0 means spacing[2] */
-    int bits = 12, allocated = 16, high = 0; /* BitsStored, BitsAllocated and HighBit; high = 0 means bits - 1 */
-    bool is_signed = false, junk = false;    /* junk: true if all bits except the stored bits are inverted */
+    int bits = 12, allocated = 16, high = 0; /* BitsStored, BitsAllocated, HighBit; if high is 0, HighBit is bits - 1 */
+    bool is_signed = false, junk = false;    /* `junk`: true if all bits outside BitsStored are inverted */
     int values[2] = {0, 3000};
     int smooth = 0;                      /* if not 0, the stored value is values[0] + smooth * (i + j + k) */
-    std::vector<std::string> slope = {"1"}, intercept = {"-1024"}; /* slice k uses element k mod size of each list */
+    std::vector<std::string> slope = {"1"}, intercept = {"-1024"}; /* slice k uses element k % size() of each list */
     /* padding value, which is stored in column 0; a second number is the padding range limit, stored in column 1 */
     std::vector<int> padding;
     std::string syntax = "explicit";
@@ -69,7 +69,7 @@ struct slice {
 /* Reads the command line's words after the folder. Returns false with a message if a word is wrong. */
 bool read_words(int count, char *const *words, series *out, std::string *error);
 
-/* Returns the slices after the changes drop, double, move and size, in the order of their files. */
+/* Returns the slices in order of instance number, after the changes `drop`, `double`, `move` and `size`. */
 std::vector<slice> plan_slices(const series &s);
 
 /* Returns the pixels of a slice with 8 or 16 bits each, in the byte order of the host, which is little-endian. */

@@ -59,8 +59,8 @@ static void counts_and_class(void **state)
 }
 
 /*
- * Compares two bones after an event; the bone before the event is also given. If the event removed nothing in a chunk
- * of one bone, the class is stale-chunk. If the reports also differ, the class is lost-chunk.
+ * Passes the bone before an event and two bones after it. If the event removed nothing in one chunk of one of the two
+ * bones, the class is stale-chunk. If the reports also differ, the class is lost-chunk.
  */
 static void bone_before_event_is_used(void **state)
 {

@@ -16,10 +16,9 @@
  *                      "open N" and "read N"
  *   OST_FAIL_TRACE=1   the stack of the failed call is printed on standard error
  *
- * Calls of all threads are counted together. K begins at 1; with 0 no call fails. Allocations by C++ code
- * (operator new) are never counted, because an exception thrown through C code terminates the process. The counts
- * continue in a child process after fork and restart at an exec call, so the K-th call of each program
- * fails.
+ * Calls of all threads are counted together. K begins at 1; if K is 0, no call fails. Allocations by C++ code (operator
+ * new) are never counted, because an exception thrown through C code terminates the process. A fork keeps the counts
+ * and an exec call resets them, so the K-th call of each program fails.
  */
 /* The functions below are redefined, so the headers of libc must not redirect them. */
 #undef _FORTIFY_SOURCE

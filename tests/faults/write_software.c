@@ -23,7 +23,7 @@ static ost_status write_file(void *user, const char *name, const void *bytes, si
     return written ? OST_OK : ost_fail(err, OST_ERR_IO, "%s: cannot be written", name);
 }
 
-/* Returns a string of LONG characters, which is long enough to make the output streams grow several times. */
+/* Returns a string that is long enough to make the output streams grow several times. */
 static const char *long_text(void)
 {
     enum { LONG = 20000 };
