@@ -13,7 +13,8 @@
 #define PI 3.14159265358979323846
 
 /*
- * With the default parameters, bone of this HU has a mass density of 1.95 g/cm3, with a relative error of at most 1e-4.
+ * Density in HU for which the default parameters give a mass density of 1.95 g/cm3, with a relative error of at most
+ * 1e-4.
  */
 enum { REFERENCE_HU = 1705 };
 

@@ -126,8 +126,8 @@ static void planar_reaming(void **state)
     assert_near("energy of reference bone", u, 30e6, 1e-3);
     ost_force *force = force_of(bone, &params, points, OST_SHELL_MAX);
     /*
-     * The tool starts on the surface. The device pulls the tool down by 5 mm. The tool's speed must agree
-     * with the formula.
+     * The tool starts on the surface. The device pulls the tool down by 5 mm. The force and the power must have the
+     * values that the formulas give for the tool's speed.
      */
     const ost_pose start = at_mm(15, 15, 24.75), down = at_mm(15, 15, 24.75 - 5);
     ost_force_result r;

@@ -141,9 +141,9 @@ static void rotating_handle_comes_to_rest(void **state)
 
 /*
  * Compares two runs, one with and one without runout. As in an operation, the motor turns the pose by -phi about the
- * tool's z axis. At every tick, the difference between the forces must equal the formula: its direction in the
- * handle's axes is at the angle phi, so it turns once per revolution of the tool. The tool is a point on the z axis,
- * so its contact does not depend on the rotation.
+ * tool's z axis. At every tick, the difference between the forces must have the value that the formula gives. In the
+ * handle's axes, the angle of this difference is phi, so the difference turns once per revolution of the tool. The tool
+ * is a point on the z axis, so its contact does not depend on the rotation.
  */
 static void runout_equals_its_formula(void **state)
 {
@@ -182,7 +182,7 @@ static void runout_equals_its_formula(void **state)
 
 /*
  * Compares two runs along the same path, with and without vibration. At every tick, the difference
- * between the forces must equal the formula.
+ * between the forces must have the value that the formula gives.
  */
 static void vibration_equals_its_formula(void **state)
 {

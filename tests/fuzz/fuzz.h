@@ -28,7 +28,10 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* Writes seed number `index` to bytes (at most capacity) and returns its size, or 0 if there are no more seeds. */
+/*
+ * Writes the seed with this index to `bytes`, which holds `capacity` bytes. Returns the seed's size, or 0 after the
+ * last seed.
+ */
 size_t fuzz_seed(unsigned index, uint8_t *bytes, size_t capacity);
 
 /* Words of the file format that mutations insert. The last entry is NULL. */

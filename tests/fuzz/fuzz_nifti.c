@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Reads arbitrary bytes as a NIfTI file, either single or the header of a pair. The result must
- * be an error of one line or a volume within its ranges.
+ * Reads arbitrary bytes as a NIfTI file, either a single file or the header of a pair. The result
+ * must be an error of one line or a volume within its ranges.
  */
 #include "fuzz.h"
 
@@ -18,8 +18,7 @@ const char *const fuzz_words[] = {"n+1",
                                   "osteon origin_mm: 0 0 0\n",
                                   NULL};
 
-/* Stores the lowest `size` bytes of `bits` in little-endian order. Callers use the offsets in the description of the
-   format. */
+/* Stores the lowest `size` bytes of `bits` in little-endian order. The callers' offsets are those of the format. */
 static void put(uint8_t *at, uint64_t bits, size_t size)
 {
     for (size_t i = 0; i < size; i++)

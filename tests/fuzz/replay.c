@@ -30,7 +30,7 @@ static size_t below(size_t n)
 static uint8_t input[INPUT_MAX];
 static size_t input_size;
 
-/* Replaces `removed` bytes at `at` by `count` bytes, and truncates the result to INPUT_MAX bytes. */
+/* Replaces the `removed` bytes at offset `at` with `count` new bytes, and truncates the result to INPUT_MAX bytes. */
 static void splice(size_t at, size_t removed, const uint8_t *bytes, size_t count)
 {
     size_t tail = input_size - at - removed;
@@ -74,7 +74,7 @@ static void edit(void)
         if (capacity)
             input[at] = (uint8_t)next();
         break;
-    case 2: /* This edit replaces one byte by a character that occurs in text formats. */
+    case 2: /* This edit replaces one byte with a character that occurs in text formats. */
         if (capacity)
             input[at] = (uint8_t) "0123456789+-.eE \t,;#\n\r\0\xff"[below(24)];
         break;
@@ -97,7 +97,7 @@ static void edit(void)
     case 7:
         put_number();
         break;
-    default: { /* This edit inserts a word of the format, or replaces a piece by it. */
+    default: { /* This edit inserts a word of the format, or replaces a piece with such a word. */
         size_t words = 0;
         while (fuzz_words[words])
             words++;
