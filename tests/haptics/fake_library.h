@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * Loads the stand-ins for vendors' libraries of tests/haptics/fake in place of the vendors' libraries.
- */
+/* Loads the stand-ins of tests/haptics/fake in place of the vendors' libraries. */
 #ifndef OST_TESTS_FAKE_LIBRARY_H
 #define OST_TESTS_FAKE_LIBRARY_H
 

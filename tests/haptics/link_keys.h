@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Two keys of the link to a device on another machine, in a scratch folder, for the tests of both ends of this link.
+ * Writes two keys to a scratch folder. The tests of both ends of the link (docs/reference/devices.md) use these keys.
  */
 #ifndef OST_TESTS_LINK_KEYS_H
 #define OST_TESTS_LINK_KEYS_H

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the bridge, which sends the poses of a device to a simulation on another machine, with a simulation in this
- * program that answers, is silent for a time, or ends. Times are taken from the packets, so that the results do not
- * depend on the load of the machine.
+ * Tests the bridge, which sends the poses of a device to a simulation on another machine. A thread of this test
+ * replaces the simulation. The thread answers, is silent for a time, or ends. Times are taken from the packets, so that
+ * the results do not depend on the load of the machine.
  *
  * Covers: REQ-LINK
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the devices that are always available. The tests check the list of devices, errors for
- * wrong specs, and every row of scripts and sessions. The simulated device is compared with the
- * equations of its mechanics.
+ * Tests the devices that are always available. The tests check the list of devices, the errors for
+ * invalid specs, and the ticks that scripts and sessions replay. The simulated device is compared
+ * with the equations of its mechanics.
  * Covers: REQ-DEVICES
  */
 #include "harness.h"
@@ -198,8 +198,8 @@ static void force_below_the_friction_moves_nothing(void **state)
 }
 
 /*
- * The device follows a hand that moves at v = 0.05 m/s. Viscosity and friction cause a lag of (0.2 v +
- * 0.26) / k.
+ * The device follows a hand that moves at v = 0.05 m/s. With a viscosity of 0.2 N s/m and a friction of 0.26 N, the lag
+ * is (0.2 v + 0.26) / k, where k is the stiffness of the hand.
  */
 static void device_follows_the_hand(void **state)
 {
@@ -245,7 +245,8 @@ static double wall_range_mm(const char *spec, double k)
 /*
  * The closed loop can oscillate. With a friction force f, the loop comes to rest if the stiffness is at most 2 * f /
  * (encoder step) = 2 * 0.26 N / 55 um = 9.5 kN/m (Diolaiti et al. 2006). Without friction, stability depends on the
- * damping of the hand, so a light grip oscillates first. A range of two encoder steps counts as rest.
+ * damping of the hand, so with a light grip, the loop oscillates at a lower stiffness. A range of two encoder steps
+ * counts as rest.
  */
 static void closed_loop_is_stable_up_to_a_stiffness(void **state)
 {

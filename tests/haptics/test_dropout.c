@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the force of an operation whose device is not tracked for a while. The force must be 0 during this time and
- * must return gradually. The device is a driver of this test.
+ * Tests the force of an operation whose device is not tracked for 100 ticks. The force must be 0 during this time and
+ * must return gradually. This file contains the driver of the device.
  */
 #include "ref/scene.h"
 

@@ -32,7 +32,7 @@ typedef struct service {
     pthread_t thread;
     fault fault;
     int fault_at;            /* number of the faulty answer, counted from 1 */
-    bool wired;              /* true if the service offers a wired grip, whose rotation follows x_um */
+    bool wired;              /* true if the service offers a wired grip, whose rotation depends on x_um */
     _Atomic int x_um;        /* position of the cursor along x in micrometres */
     _Atomic bool stop;
     _Atomic int answers;

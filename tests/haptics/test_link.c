@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with Python's
- * struct and hmac from the table in docs/reference/devices.md. Further tests check packets that must be
- * refused, keys and sequence numbers. A bridge computes its force from a plane. The last test checks in a closed loop
- * with a delay that this force is stable.
+ * Tests the packets of the link, byte for byte. The expected bytes and HMACs were computed with Python's struct and
+ * hmac from the table in docs/reference/devices.md. Further tests check keys, sequence numbers, and packets that must
+ * be refused. The last two tests check the plane from which a bridge computes its force: the force never attracts the
+ * device, and a closed loop with a delay is stable.
  * Covers: REQ-LINK
  */
 #include "harness.h"

@@ -67,7 +67,7 @@ static void script_equals_its_path(void **state)
     free_fixture(&by_device);
 }
 
-/* The bone must equal the bone after the same path without the faulty rows. */
+/* The faulty rows of a path must not affect the bone. The expected bone comes from a path without these rows. */
 static void impossible_poses_are_ignored(void **state)
 {
     ost_error err = {0};
@@ -118,8 +118,8 @@ static void jump_removes_nothing_on_its_way(void **state)
     fixture r = make_fixture(*state);
     ost_path path = into_bone(60);
     /*
-     * The tool jumps through the entire bone in one tick. A sweep could span this distance. There must be no sweep,
-     * because no hand moves this far in one tick.
+     * The tool jumps through the entire bone in one tick. Although a sweep could span this distance, there must be no
+     * sweep, because no hand moves this far in one tick.
      */
     for (size_t i = 50; i < 60; i++)
         path.ticks[i].pose.t.x = 45 * MM;

@@ -398,8 +398,8 @@ static bool on_placed_tick(void *user, const ost_servo_sample *sample, ost_wrenc
 }
 
 /*
- * The loop runs on a core of its own. A thread that is created after ost_servo_core_leave does not run on
- * this core. After the loop, the loop's thread may run on all other cores again, but not on this core.
+ * The loop runs on its own core. Threads that are created after ost_servo_core_leave must not run on this core. The
+ * thread that ran the loop must not run on it after the loop, either.
  */
 static void loop_has_its_own_core(void **state)
 {

@@ -51,7 +51,8 @@ static void spnav_moves_while_it_is_pushed(void **state)
     put_event(feed, 1, 5, -9, 500, 0, 0, 0);
     read_on(device, 1000, &s);
     assert_true(llabs(s.pose.t.x - 0) < 1000 && s.pose.t.y == 20 * MM && s.pose.t.z == 30 * MM);
-    /* A push to the left by half of the range beyond the dead zone moves the tool at 5 mm/s. */
+    /* The dead zone ends at 10 counts, and full deflection is 350 counts. A push to the left by 180 counts is halfway
+       between them, so the tool moves at 5 mm/s. */
     put_event(feed, 1, -180, 0, 0, 0, 0, 0);
     read_on(device, 200, &s);
     assert_true(llabs(s.pose.t.z - 31 * MM) < 1000 && llabs(s.pose.t.x) < 1000);

@@ -213,8 +213,8 @@ static void print_and_end(int number, siginfo_t *info, void *context)
 }
 
 /*
- * Installs a filter that allows only the clocks, the query of processor usage, and the calls needed to report a refused
- * call.
+ * Installs a filter that allows only calls that read clocks or processor usage, and calls that are needed to report a
+ * refused call.
  */
 static bool begin_filter(void)
 {

@@ -223,8 +223,8 @@ static void missing_packets_lose_the_device(void **state)
     for (int i = 0; i < 16; i++)
         assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_NOT_TRACKED);
     /*
-     * After 20 ticks without a packet, the hand is 20 mm farther away. A hand can move this far in this
-     * time, so the tool follows the hand in steps that are too small to be jumps.
+     * During 20 ticks without a packet, the hand moves by 20 mm, which is possible for a hand. The pose is therefore
+     * accepted, and the tool follows in steps of 4 mm, which do not count as jumps.
      */
     send_pose_packet(&c, MM + 20 * MM, LINK_SEEN);
     assert_int_equal(ost_haptic_read(device, &hand), OST_HAPTIC_FRESH);
@@ -280,8 +280,8 @@ static void one_bridge_at_a_time(void **state)
     client a = greet(where, 1);
     send_pose_packet(&a, MM, LINK_SEEN);
     /*
-     * For one second after the first bridge's last packet, another bridge is refused. On a slow machine this time may
-     * have passed. The other bridge is then accepted.
+     * For one second after the first bridge's last packet, another bridge is refused. On a slow machine, this time may
+     * have passed, so that the other bridge is accepted.
      */
     const int s = connect_to(where);
     send_sealed(s, key, &(link_packet){.type = LINK_HELLO, .bridge = 2, .sequence = 1, .tool = -1});
