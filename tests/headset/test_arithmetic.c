@@ -38,7 +38,7 @@ static void projection_equals_openxr_matrix(void **state)
         ost_headset_projection p;
         double clip[2];
         assert_true(ost_headset_project(&fov, width, height, &p));
-        /* The picture must cover all given angles. Along at least one axis, it must cover no further angles. */
+        /* The picture must cover all given angles. Along at least one axis, it must not extend beyond them. */
         assert_true(p.fov.left <= fov.left + 1e-12 && p.fov.right >= fov.right - 1e-12);
         assert_true(p.fov.up >= fov.up - 1e-12 && p.fov.down <= fov.down + 1e-12);
         const double wider = tan(p.fov.right) - tan(p.fov.left) - tan(fov.right) + tan(fov.left),

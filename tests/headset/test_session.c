@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests a session with a runtime for tests (runtime.h). A larger symmetric picture also covers the eye's angles. The
- * picture of an eye must equal this part of the larger picture, except for a few pixels at edges. The calls must be in
- * the order that OpenXR requires. Every failure of the runtime must cause one error, and no session may remain. The
- * test is skipped if OpenGL without a display is not available.
+ * Tests a session with a runtime for tests (runtime.h). The picture of each eye is compared with a part of a larger,
+ * symmetric picture. The two must be equal except for a few pixels at edges. The calls must be in the order that OpenXR
+ * requires. Every failure of the runtime must cause one error, and no session may remain. The test is skipped if OpenGL
+ * without a display is not available.
  * Covers: REQ-HEADSET
  */
 #include <dlfcn.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Makes one scratch folder for all tests of a program, with cmocka_run_group_tests(tests, scratch_set_up,
+/* Makes one scratch folder for all tests of a program. The program calls cmocka_run_group_tests(tests, scratch_set_up,
    scratch_tear_down). */
 #ifndef OST_TESTS_SCRATCH_GROUP_H
 #define OST_TESTS_SCRATCH_GROUP_H

@@ -8,7 +8,7 @@
 
 #include "volume_files.h"
 
-/* The tags of a TIFF page. A zero in a field other than resolution means that the tag is omitted. */
+/* The tags of a TIFF page. The tag of a field that is 0 is omitted, except that `photometric` is always stored. */
 typedef struct tiff_page {
     uint32_t width, height;
     unsigned bits, format, compression, photometric, samples, orientation, tile;

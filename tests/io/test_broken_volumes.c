@@ -420,8 +420,8 @@ static void refuses_invalid_nifti_fields(void **state)
 }
 
 /*
- * The voxels do not depend on extensions, so a broken chain of extensions is no error. A file is refused only if a fact
- * that osteon stores in an extension is invalid.
+ * The voxels do not depend on extensions, so a broken chain of extensions is not an error. A file is refused only if a
+ * fact that osteon stores in an extension is invalid.
  */
 static void nifti_extensions(void **state)
 {

@@ -183,7 +183,7 @@ static void refuses_invalid_messages(void **state)
     refused(send_of(&a), "program: the DICOM parser made no progress for 1 s");
 }
 
-/* If the program sends valid messages without end, the library must stop at the maximum number of images. */
+/* If the program sends an endless sequence of valid messages, the library must stop at the maximum number of images. */
 static void refuses_endless_messages(void **state)
 {
     (void)state;
@@ -213,7 +213,7 @@ static void make_stack(ost_dicom_scan *scan, ost_dicom_stack *stack)
     assert_ok(ost_dicom_stack_make(scan, 0, NULL, stack, &report, &err));
 }
 
-/* Reads the first slice from the process for image 0. */
+/* Reads the pixels of the first slice, which the script sends. */
 static ost_status read_with(const ost_dicom_stack *stack, const char *script, uint16_t cells[12])
 {
     const ost_dicom_launch launch = {.program = program, .seconds = 1};

@@ -132,8 +132,8 @@ static void nan_and_infinity_are_never_densities(void **state)
 }
 
 /*
- * The product int32 * float32 has 31 + 24 bits. If the exponents are close, the sum of the product and a float32 is
- * exact in the 64 bits of long double.
+ * The product of an int32 and a float32 has at most 31 + 24 = 55 bits. If the exponents are close, the sum of this
+ * product and a float32 is therefore exact in the 64 bits of long double.
  */
 static void scaling_is_exact(void **state)
 {
@@ -180,7 +180,7 @@ static void scaling_with_extreme_factors(void **state)
     }
 }
 
-/* Tests a row of floats that contains integers, fractions and one value that is no density. */
+/* Tests a row of floats that contains integers, fractions and one value that is beyond the range of densities. */
 static void row_of_floats(void **state)
 {
     (void)state;

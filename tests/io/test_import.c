@@ -84,7 +84,8 @@ static void no_layer_is_empty_or_doubled(void **state)
                                         "spacing %lld origin %lld decimals %d: voxel (%d, %d, %d) has %d, expected %d",
                                         (long long)spacings[s], (long long)origins[o], decimals, i, j, k, *v,
                                         ct_density(i, j, k));
-                    /* If four decimals determine the spacing, the imported spacing must be exact. */
+                    /* The imported spacing must be exact if the positions have six decimal places, or if four are
+                       enough for it. */
                     if (decimals == 6 || spacings[s] % 100000 == 0) {
                         assert_true(g.spacing.x == spacings[s]);
                         assert_true(g.spacing.y == spacings[s]);

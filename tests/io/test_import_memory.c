@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the memory of an import: the size of the grid bounds the peak, not the size of the file, and a bone that is
- * larger than the machine's memory is refused at once. The import that is measured runs in a second process of this
- * program.
+ * Tests the memory of an import. The peak depends on the size of the grid and not on the size of the file. A bone that
+ * is larger than the machine's memory is refused at once. The measured import runs in a second process of this program.
  *
  * Covers: REQ-CT-BIG
  */

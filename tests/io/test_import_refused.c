@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the files that the import refuses or imports only by an option, such as texts with a voxel given twice or with
- * positions off the lattice, and the cancellation of an import.
+ * Tests files that the import refuses, and files that it accepts only with an option, such as texts that give a voxel
+ * twice or contain positions off the lattice. Another test cancels an import.
  *
  * Covers: AR-CT-4, AR-CT-5, AR-CT-6, AR-CT-8
  */

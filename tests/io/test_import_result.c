@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests what an import reports and records: the result of ost_import and the header of the bone, the rule by which a
- * file is resampled, and the spacings that the caller or the file gives.
+ * Tests the result of ost_import and the header of the imported bone. The tests cover the rule by which a file is
+ * resampled, and spacings that the caller or the file gives.
  *
  * Covers: AR-CT-3, AR-CT-8, AR-CUB-1, AR-CUB-5, AR-CUB-6, AR-CHK-1
  */

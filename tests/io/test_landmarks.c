@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests landmarks from files of 3D Slicer and CSV files: the same four points in every format
- * and coordinate system, files that must be refused, and random damage.
+ * Tests landmarks from files of 3D Slicer and CSV files. The tests read the same four points in
+ * every format and coordinate system, files that must be refused, and files with random damage.
  * Covers: REQ-LANDMARKS
  */
 #include "volume_files.h"

@@ -241,8 +241,8 @@ static void refuses_undetermined_spacings(void **state)
         "ct.txt:2: x = 0.47 is not a whole number of steps from the lowest; the smallest step is 0.37 mm, from 14.2 "
         "(lines 31 and 32); give the spacing (--spacing)");
 
-    /* A spacing of 1.3 mm written without decimals gives 0 1 3 4 5 6 8 ... This must not be read as a spacing of 1
-       mm with absent layers. */
+    /* Layers with a spacing of 1.3 mm, written without decimals, are at 0 1 3 4 5 6 8 ... mm. These positions must not
+       be read as a spacing of 1 mm with absent layers. */
     fill(&a, 0, 1300000000, 50, 0, NULL);
     assert_int_equal(find_one(&a, &found, &err), OST_ERR_INPUT);
     assert_non_null(strstr(err.text, "--spacing"));

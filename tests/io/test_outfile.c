@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests that an output file exists under its name either completely or not at all: names, links,
- * permissions, full disks, limits, and kills at random moments.
+ * Tests that an output file exists under its name either completely or not at all. The tests cover
+ * names, links, permissions, full disks, limits, and kills at random moments.
  * Covers: REQ-PART-FILES
  */
 #include "harness.h"

@@ -559,7 +559,7 @@ static void variants_equal_the_scalar_kernel(void **state)
             size += (size_t)snprintf(text_at + size, CAPACITY - size, "%.*s%.*s%.*s%s%s", (int)pattern.before.length,
                                      pattern.before.text, (int)lengths[i], columns[i].text, (int)pattern.after.length,
                                      pattern.after.text, density, pattern.carriage ? "\r" : "");
-            if (rng_range(&rng, 0, 15) == 0) /* replaces a byte by a random byte, which may be the same */
+            if (rng_range(&rng, 0, 15) == 0) /* replaces a byte with a random byte, which may be the same */
                 text_at[begin + (size_t)rng_range(&rng, 0, (int64_t)(size - begin) - 1)] =
                     "0159.- /:\r"[rng_range(&rng, 0, 9)];
             if (rng_range(&rng, 0, 30) == 0) /* shortens a line, possibly to length 0 */
