@@ -211,9 +211,9 @@ static int16_t *sparse_voxels(test_rng *rng, int64_t count, int32_t threshold)
 }
 
 /*
- * Tests the linear rule along z only, along two axes and along three axes. Spacings are nearly equal or very
- * different, and some grids have one voxel along an axis. Few voxels are active, so that some chunks can be
- * skipped and are next to chunks that must be processed.
+ * Tests the linear rule along z only, along two axes and along three axes. Spacings are nearly equal or very different,
+ * and some grids have one voxel along an axis. Few voxels are active, so that some chunks that can be skipped are next
+ * to chunks that must be processed.
  */
 static void interpolated_to_chunks(void **state)
 {
