@@ -127,7 +127,7 @@ static void import_restores_the_written_volume(void **state)
 }
 
 /*
- * If the text has no lines for empty voxels, the import gives the bounding box of the other voxels. The
+ * If the text has no lines for empty voxels, the imported grid is the bounding box of the other voxels. The
  * expected grid is cropped to the lowest and highest indices of these voxels.
  */
 static void without_empty_voxels(void **state)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests files of tool grids: a written tool is restored, also with a corner that needs many decimals, and tools of
- * other programs are read or refused.
+ * Tests files of tool grids. A written tool must be read back unchanged, even if its corner needs many decimals. Files
+ * of other programs must be read if they are valid, and refused otherwise.
  *
  * Covers: AR-FILE-3
  */

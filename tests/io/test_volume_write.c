@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests writing volumes and bones as NRRD and NIfTI, with and without compression, and reading them back, with spacings
- * that floats cannot represent exactly. Further tests check the bytes of the files, and progress and cancellation.
+ * Tests volumes and bones that are written as NRRD and NIfTI, with and without compression, and read back. Floats
+ * cannot represent some of their spacings exactly. Further tests check the bytes of the files, progress and
+ * cancellation.
  *
  * Covers: AR-FILE-1, AR-FILE-2, AR-FILE-6, AR-FILE-8, REQ-CT-SAME
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Volumes of random densities, lengths in decimals of mm, and the content of files, for the tests that write volumes,
- * tools and bones.
+ * Helpers for the tests that write volumes, tools and bones. They fill volumes with random densities, parse lengths in
+ * mm, and read complete files.
  */
 #ifndef OST_TESTS_WRITTEN_VOLUMES_H
 #define OST_TESTS_WRITTEN_VOLUMES_H

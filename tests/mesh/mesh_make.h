@@ -43,7 +43,7 @@ static inline void make_triangle(ost_snapped_mesh *m, uint32_t a, uint32_t b, ui
 }
 
 /*
- * Returns a coordinate on the lattice, in [0, n voxels]. It is a voxel centre, a voxel border, a
+ * Returns a coordinate on the lattice, from 0 to n voxels. It is a voxel centre, a voxel border, a
  * multiple of a quarter of a voxel, or any lattice point.
  */
 static inline int64_t make_coordinate(test_rng *rng, int32_t n)

@@ -49,7 +49,7 @@ static const float corners[8][3] = {{0, 0, -5}, {10, 0, -5}, {0, 20, -5}, {10, 2
                                     {0, 0, 25}, {10, 0, 25}, {0, 20, 25}, {10, 20, 25}};
 static const int quads[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
 
-/* Returns the number of the vertex at corner c of triangle t, one of the box's twelve triangles. */
+/* Returns the vertex number of corner c (0 to 2) of the box's triangle t (0 to 11). */
 static int corner_of(int t, int c)
 {
     return quads[t / 2][c == 0 ? 0 : c + t % 2];
@@ -269,7 +269,7 @@ static void units_are_given_or_inferred(void **state)
     (void)state;
     static bytes b;
     static const struct {
-        const char *scale; /* scale of the mesh, which is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
+        const char *scale; /* the mesh is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
         ost_unit unit;
         int64_t pm;          /* expected scale in picometres; 0 if the file must be refused */
         const char *message; /* text that the error must contain, if the file is refused */

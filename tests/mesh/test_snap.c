@@ -157,7 +157,7 @@ static void fraction_bits_fit_the_grid(void **state)
 }
 
 /*
- * A triangle without area, whose vertices coincide or lie on a line, must be dropped. This also applies to
+ * A zero-area triangle, whose vertices coincide or lie on a line, must be dropped. This also applies to
  * triangles that lose their area by rounding to the lattice.
  */
 static void triangles_without_area_are_dropped(void **state)

@@ -46,8 +46,8 @@ static wide plane(const int32_t *a, const int32_t *b, const int32_t *c, const in
 }
 
 /*
- * Stores in *count the number of triangles that cross the row of p at or before p, or at any position if
- * `all` is true. Stores the sum of the signs of these triangles in *winding.
+ * Counts in *count the triangles that cross the row of p at or before p or, if `all` is true, at any
+ * position. Stores the sum of the signs of these triangles in *winding.
  */
 static void crossings(const ost_snapped_mesh *mesh, const int64_t p[3], bool all, int *winding, int *count)
 {
@@ -267,8 +267,8 @@ static ost_snapped_mesh placed(const ost_snapped_mesh *mesh, const placing *q)
 }
 
 /*
- * Mirroring, quarter turns and permutations of the mesh must transform the grid in the same way
- * wherever no centre lies on the surface.
+ * If a mesh is mirrored or rotated by quarter turns, or if its axes are permuted, its grid must change in
+ * the same way. Only voxels whose centres lie on the surface may differ.
  */
 static void symmetries_transform_the_grid(void **state)
 {
@@ -357,7 +357,7 @@ static void union_of_two_halves_equals_the_bipyramid(void **state)
                 *l = make_grid(&lower, OST_FILL_WINDING, NULL);
         for (int i = 0; i < 512; i++) {
             assert_int_equal(w[i], u[i] | l[i]);
-            assert_int_equal(u[i] & l[i], 0); /* a centre on the cut must belong to one half only */
+            assert_int_equal(u[i] & l[i], 0); /* a centre on the cut must belong to only one half */
         }
         free(w), free(u), free(l);
         ost_snapped_mesh_free(&complete), ost_snapped_mesh_free(&upper), ost_snapped_mesh_free(&lower);
@@ -384,8 +384,9 @@ static void inside_out_box_is_solid(void **state)
 }
 
 /*
- * In a box from voxel centre to voxel centre, a centre on a low face is inside and a centre on a
- * high face is outside. Therefore the number of voxels equals the volume.
+ * All faces of the box pass through voxel centres. On each axis, centres on the face with the lower
+ * coordinate are inside, and centres on the opposite face are outside. Therefore the number of solid
+ * voxels equals the volume.
  */
 static void box_on_centres_is_half_open(void **state)
 {
