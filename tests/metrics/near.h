@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The comparison of a metric with the value of a closed form.
+ * The comparison of a metric with its closed-form value.
  */
 #ifndef OST_TESTS_METRICS_NEAR_H
 #define OST_TESTS_METRICS_NEAR_H

@@ -206,7 +206,7 @@ static void over_reaming(void **state)
 }
 
 /*
- * Over-reaming must grow with the depth. The planned depth and the margin are 4 mm together, so the
+ * Over-reaming must grow with the depth. The sum of the planned depth and the margin is 4 mm, so the
  * over-reaming of a cut of depth d is a cap of height h = d - 4 mm, whose volume is pi h^2 (R - h / 3). The cap
  * must not count as a hole at any depth, and a drilled hole must not increase the over-reaming.
  */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the metrics of a tool and its path: times, lengths, forces, tilts and plunges of a known path are compared with
- * closed forms, the properties of tools made of boxes with the sizes of these boxes, and the tip of a tool at a pose
- * with values computed by hand.
+ * Tests the metrics of a tool and its path. The times, lengths, forces, tilts and plunges of a known path are compared
+ * with closed forms. The properties of tools made of boxes are compared with the sizes of the boxes. The position of a
+ * tool's tip at a pose is compared with values computed by hand.
  *
  * Covers: REQ-METRICS
  */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the trabecular cores at the thesis' size: Tables 3.1 and 3.2, and the spongy structure
- * (the proportion of bone, the thickness of the struts and the width of the spaces).
+ * Tests the trabecular cores at the thesis' size: the numbers of Tables 3.1 and 3.2, and the spongy
+ * structure (the proportion of bone, the thickness of the struts and the width of the spaces).
  *
  * Measured for seed 1: 250 of 250 chunks of core 1 and 1051 of 1200 chunks of core 2 are active
  * (the thesis: 1060 for core 2). A cylinder of 5 mm radius in the box of 314 x 316 voxels reaches
@@ -37,7 +37,7 @@ static double mean_run(const ost_volume *v, bool active)
         for (int q = 0; q < n[c]; q += 3)
             for (int p = 0; p < n[b]; p += 3) {
                 int64_t at = p * step[b] + q * step[c];
-                /* -1 if the length of the run is unknown, because no change of activity has been found yet */
+                /* -1 until the first change of activity, because the start of the run is not known */
                 int length = -1;
                 bool was = v->voxels[at] >= ACTIVE_HU;
                 for (int i = 1; i < n[a]; i++) {

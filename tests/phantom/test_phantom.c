@@ -191,9 +191,10 @@ static double thousandths(test_rng *rng, int lo, int hi)
 }
 
 /*
- * Within a ball, the distance from the segments that are selected for the ball must be bit-identical to the distance
- * from all segments. The tested bars are up to 40 times as wide as thick. In such bars, ost_bar_distance sometimes
- * skips the nearest segment and returns a greater distance, which ost_bar_blend must also use.
+ * ost_bar_near selects segments of a bar for a ball. Within the ball, the distance from the selected segments must be
+ * bit-identical to the distance from all segments. The tested bars are up to 40 times as wide as thick. For such a bar,
+ * ost_bar_distance sometimes skips the nearest segment and returns a greater distance; ost_bar_blend must use the same
+ * distance.
  */
 static void test_selected_segments_give_exact_distance(void **state)
 {

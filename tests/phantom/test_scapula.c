@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the scapula and its glenoid at the thesis' size: Tables 3.1 and 3.2, the connectedness of
- * the bone, and the layers that a reamer cuts.
+ * Tests the scapula and its glenoid at the thesis' size: the numbers of Tables 3.1 and 3.2, the
+ * connectedness of the bone, and the layers that a reamer cuts.
  *
  * Measured for seed 1: 202 of 896 chunks of the scapula are active (the thesis: 202 in Table 3.2,
  * 199 in Table 3.7), and 18 of 18 chunks of the glenoid.

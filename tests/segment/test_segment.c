@@ -34,7 +34,7 @@ static void make(scene *s, test_rng *rng)
         .origin = {rng_range(rng, -900, 900) * OST_PM_PER_MM, rng_range(rng, -900, 900) * 1000000, 7}};
     *s = (scene){.options = {.threshold = (int32_t)rng_range(rng, 2, 5)}};
     assert_ok(ost_volume_init(&s->ct, &g, &err));
-    const int64_t dense = rng_range(rng, 1, 6); /* amount of bone in the volume, from nearly empty to nearly full */
+    const int64_t dense = rng_range(rng, 1, 6); /* on average, `dense` of every 7 voxels have positive densities */
     for (size_t i = 0; i < voxel_count(s); i++)
         s->ct.voxels[i] = (int16_t)(rng_range(rng, 0, 6) < dense ? rng_range(rng, 1, 6) : rng_range(rng, -3, 1));
     s->options.growth = (int32_t)rng_range(rng, 1, s->options.threshold);
@@ -214,7 +214,7 @@ static void bounds_and_first_voxels(void **state)
     assert_int_equal(count, 3);
     /*
      * The first component has 5 voxels: (3, 0, 0), (3, 1, 0) and the row at z = 1. Two components
-     * of 2 voxels follow, in the order of their first voxels.
+     * of 2 voxels follow, in order of their first voxels.
      */
     assert_int_equal(segments[0].voxels, 5);
     assert_int_equal(segments[1].voxels, 2);

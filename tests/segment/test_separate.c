@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares the pieces of random small volumes with an oracle that follows the text of the rules. The oracle tests all
- * other voxels to find the distance of a voxel, and all paths at all heights to find the markers. During the flood, it
- * finds the next voxel by a linear search. Further tests check the selection of labels.
+ * Compares the pieces of random small volumes with an oracle that follows the text of the rules. To find the distance
+ * of a voxel, the oracle tests all other voxels. To find the markers, it follows all paths. During the flood, it finds
+ * the next voxel by a linear search. Further tests check the selection of labels.
  *
  * Covers: AR-SEG-7, AR-SEG-8, AR-SEG-9, AR-SEG-10
  */
@@ -40,8 +40,8 @@ static void make(ost_volume *ct, test_rng *rng)
                 for (int32_t x = lo[0]; x <= hi[0]; x++)
                     ct->voxels[x + n[0] * (y + n[1] * z)] = 500;
     }
-    /* Along each axis with more than two voxels, half of the empty voxels avoid the first and the last layer, so that
-       they can be holes. */
+    /* Along each axis with more than two voxels, half of the empty voxels are not in the first or the last layer, so
+       that they can be holes. */
     for (int64_t empty = rng_range(rng, 0, 8); empty > 0; empty--) {
         const int32_t inner = (int32_t)rng_range(rng, 0, 1);
         size_t at[3];
