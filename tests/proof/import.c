@@ -10,7 +10,7 @@ static ost_pm any_spacing(void)
     return spacing;
 }
 
-/* Proves that on_lattice and its quotient do not overflow for any sample and origin within 8 m. */
+/* Proves that on_lattice and its quotient do not overflow for sample and origin coordinates of up to 8 m. */
 void import_lattice(void)
 {
     (void)on_lattice(any64(LENGTH << 19 * WIDER), any64(LENGTH << 19 * WIDER), any_spacing());

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "proof.h"
 
-/* Proves that n / d and n % d, floor and ceiling do not overflow for any n and any d >= 1. */
+/* Proves that ost_floor_div and ost_ceil_div do not overflow for any n and any d >= 1. */
 void integer_floor(void)
 {
     const int64_t n = nondet_int64(), d = nondet_int64();

@@ -30,7 +30,7 @@ void map_coordinate(void)
 }
 
 /*
- * Proves that the function returns false for a far block and that the base of a near block fits int32, for
+ * Proves that the function returns false for a far block and that the base of a near block fits in int32, for
  * any result of the division.
  */
 void map_base(void)

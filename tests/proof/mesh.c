@@ -20,8 +20,8 @@ static int64_t snap_quotient(int64_t n, int64_t d)
 #undef ost_rhe_div
 
 /*
- * Proves that snap does not overflow for any vertex p, for at most 4096 voxels of at most 100 mm, and for a corner
- * within 8 m.
+ * Proves for one axis that snap does not overflow for any vertex coordinate p. The grid has at most 4096 voxels, each
+ * voxel is at most 100 mm wide, and the grid lies within 8 m of the origin.
  */
 void mesh_snap(void)
 {

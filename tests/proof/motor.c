@@ -32,7 +32,7 @@ void motor_advance(void)
     ASSERT(motor.phase >= 0 && motor.phase < OST_MOTOR_TURN);
 }
 
-/* Proves that each sum is below 2^62 and fits int64 for |q| <= 1.001 * 2^30 and |C|, |S| <= 2^30. */
+/* Proves that each sum is below 2^62 and fits in int64 for |q| <= 1.001 * 2^30 and |C|, |S| <= 2^30. */
 void motor_component(void)
 {
     const int64_t q = INT64_C(1074815566), sc = INT64_C(1) << 30; /* 1.001 * 2^30 + 1 */

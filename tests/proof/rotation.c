@@ -12,8 +12,8 @@ static ost_pose any_pose(void)
 }
 
 /*
- * Proves for any quaternion that ost_rotation_fits accepts that N, every entry of the matrix and all sums
- * of AR-POSE-4 are exact in int64.
+ * Proves that N, every entry of the matrix and all sums of AR-POSE-4 are exact in int64 for any quaternion
+ * that ost_rotation_fits accepts.
  */
 void rotation(void)
 {
