@@ -40,7 +40,7 @@ static void sweep_of_the_worked_example(void **state)
 static void pose_count_is_the_least(void **state)
 {
     (void)state;
-    /* A motion of exactly n half voxels has n poses. If the motion is one picometre longer, it has n + 1 poses. */
+    /* The sweep of a motion of exactly n half voxels has n poses. If the motion is 1 pm longer, it has n + 1 poses. */
     ost_pose a = at_um(10, 20, 30);
     assert_int_equal(count_of(&a, &a, &small_tool, 470 * UM), 1);
     for (int n = 1; n <= OST_SWEEP_MAX; n = n < 8 ? n + 1 : 2 * n) {

@@ -2,8 +2,8 @@
 /*
  * Compares removal with results for small grids computed by hand, and then checks the laws AR-LAW.
  *
- * The file has more than 500 lines, because all tests describe one operation, and the results computed by hand are the
- * basis of the laws, which compare only results with each other.
+ * The file has more than 500 lines, because all tests describe one operation. The tests of the laws compare results
+ * only with each other, so they depend on the tests whose results are computed by hand.
  *
  * Covers: AR-REM-1..6, AR-CLS-1, AR-LAW-1, AR-LAW-2, AR-LAW-3, AR-LAW-5, AR-LAW-6
  */
@@ -150,8 +150,8 @@ static void emptied_chunk_is_freed(void **state)
 
 /* -------------------------------------------------------- random scenes */
 
-/* A bone of 70 x 37 x 41 voxels of 0.47 mm, and a random tool. The tool's positions are from lo to hi, the corners of
-   the bone's grid. */
+/* A bone of 70 x 37 x 41 voxels of 0.47 mm, and a random tool. The tool's positions lie between the opposite corners lo
+   and hi of the bone's grid. */
 typedef struct scene {
     ost_geometry g;
     int16_t *voxels;

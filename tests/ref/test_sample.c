@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests reading single voxels, as the force does in each tick: between removals, after a chunk was emptied, after an
- * upload of slices, and after an event that changes many chunks. The expected densities are obtained by a download.
+ * Tests reading single voxels, as the force computation does in each tick: between removals, after a chunk was emptied,
+ * after an upload of slices, and after an event that changes many chunks. The expected densities are obtained by a
+ * download.
  * Covers: REQ-SAMPLE
  */
 #include "ref/scene.h"

@@ -78,8 +78,8 @@ static void paths_follow_axis(void **state)
  * The path simulates a hand that presses. The tip moves from 2 mm outside the face to 12 mm
  * inside in half a second. Then it moves to a depth of 24 mm at 0.15 mm/s, and oscillates by 1.5
  * mm along the axis. The tip is at most 6 mm from the axis, and the tool's own axis is tilted by
- * at most 3 degrees. The lateral motion begins gradually and reaches all sides of the axis. A
- * longer path must begin with the same ticks.
+ * at most 3 degrees. The lateral motion begins gradually and moves the tip to all sides of the axis. A
+ * longer path must begin with the ticks of a shorter path.
  */
 static void path_of_pressing_hand(void **state)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the counts of bone in front of a face, along the axis and under a tool. The expected counts are
+ * Tests the counts of bone voxels in front of a face, along the axis and under a tool. The expected counts are
  * computed here according to the definitions in docs/reference/metrics.md.
  * Covers: REQ-SITE
  */

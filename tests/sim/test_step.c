@@ -63,8 +63,8 @@ static ost_step_result step(fixture *l, ost_tick tick)
 static void sweep_leaves_no_gap(void **state)
 {
     /*
-     * A motion of 10 mm in one tick has 2 * 10 / 1 = 20 poses. The peg of 2 mm removes the voxels
-     * from x = 4 to 15, y = 9 to 10 and z = 5 to 10.
+     * A sweep has one pose per half voxel, so the motion of 10 mm through voxels of 1 mm has 20 poses. The
+     * peg of 2 mm removes the voxels from x = 4 to 15, y = 9 to 10 and z = 5 to 10.
      */
     fixture l = make_fixture(*state, NULL);
     ost_step_result r = step(&l, tick_at(0, 0, 5000, 10000, 5000));
@@ -231,7 +231,7 @@ static void motor_off_removes_nothing(void **state)
 
 /*
  * The motor is on until the tool is at 5 mm, off while the tool moves to 30 mm, and then on again.
- * The next motion, by 2 mm, has 4 poses, and nothing between 5 and 30 mm is removed.
+ * The next sweep, over 2 mm, has 4 poses, and nothing between 5 and 30 mm is removed.
  */
 static void sweep_begins_at_last_pose_with_motor_off(void **state)
 {
