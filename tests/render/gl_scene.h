@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Helpers for the tests of OpenGL: bodies, cameras, and the comparison of two frames. */
+/* Helpers for the OpenGL tests: bodies, cameras, and the comparison of two frames. */
 #ifndef OST_TESTS_RENDER_GL_SCENE_H
 #define OST_TESTS_RENDER_GL_SCENE_H
 
@@ -45,8 +45,8 @@ static inline ost_surface surface_of(const ost_volume *v)
 }
 
 /*
- * Returns a camera in the direction x, y, z from the body's middle, at a distance in voxels. The
- * camera looks at a point with the offset `aside` from the middle.
+ * Returns a camera that looks at the point `aside` voxels from the body's middle along x. The camera is
+ * `distance` voxels from this point, in the direction (x, y, z).
  */
 static inline ost_camera look(const ost_geometry *g, double x, double y, double z, double distance, double aside,
                               int width, int height)
@@ -62,7 +62,7 @@ static inline ost_camera look(const ost_geometry *g, double x, double y, double 
 }
 
 typedef struct difference {
-    int colour, face, depth; /* numbers of pixels that differ in colour, face and depth */
+    int colour, face, depth; /* each member counts the pixels that differ in this property */
 } difference;
 
 static inline difference compare(const ost_frame *a, const ost_frame *b)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The bone of the tests of colours, clip planes, highlighting and overlays, before and after a removal, a viewer of it,
- * and functions that visit the points of a surface or compare the points of two surfaces.
+ * Helpers for the tests of colours, clip planes, highlighting and overlays: a bone before and after a removal, a viewer
+ * of this bone, and functions that visit the points of a surface or compare two surfaces.
  */
 #ifndef OST_TESTS_LOOK_BONE_H
 #define OST_TESTS_LOOK_BONE_H

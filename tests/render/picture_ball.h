@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A ball of slices, and access to the pixels of a picture, for the tests of pictures made without a display.
+ * A volume that contains a ball, and access to the pixels of a picture, for the tests of pictures made without a
+ * display.
  */
 #ifndef OST_TESTS_PICTURE_BALL_H
 #define OST_TESTS_PICTURE_BALL_H

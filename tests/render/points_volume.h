@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The volumes of the tests of points, the visible faces of their voxels, and the shade of a voxel computed from its
- * slopes in a separate implementation.
+ * Helpers for the tests of points: volumes, the visible faces of their voxels, and a second implementation of the
+ * shade of a voxel.
  */
 #ifndef OST_TESTS_POINTS_VOLUME_H
 #define OST_TESTS_POINTS_VOLUME_H

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the antialiasing of edges. Each pixel is compared with a second implementation, which searches every run pixel
- * by pixel and integrates the line above the run. This is done with every instruction set, and for a part of a picture
- * that is computed again. For straight lines and discs, the error relative to the exact coverage of each pixel is also
- * tested.
+ * Tests the antialiasing of edges. With every instruction set, each pixel must equal that of a second implementation,
+ * which searches every run pixel by pixel and integrates the line above the run. The test includes pictures of which
+ * only a part is computed again. For straight lines and discs, the error relative to the exact coverage of each pixel
+ * is also tested.
  *
  * Covers: REQ-ANTIALIAS
  */

@@ -159,7 +159,7 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
     left = differ;
     for (int i = 0; i < SHIFTS && left; i++) {
         static const int direction[8][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}};
-        /* the larger of the two distances is tried first, because it explains most differences */
+        /* the larger distance comes first, because most of the differing pixels agree at this distance */
         const float by = (float)(MOVES - i / 8) / (128 * MOVES);
         left = 0;
         draw_moved(&moved, things, count, by * (float)direction[i % 8][0], by * (float)direction[i % 8][1]);
@@ -191,8 +191,8 @@ static void check(const char *name, const ost_frame_thing *things, int count, os
     assert_int_equal(left, 0);
     assert_in_range(narrow, 0, differ / 20 + 1);
     /*
-     * About one in 64 pixels along an edge has a ray that passes the edge at less than 1/128 pixel, on either side. A
-     * picture of bone has edges everywhere.
+     * For about one in 64 pixels along an edge, the ray passes within 1/128 pixel of the edge. A picture of bone has
+     * edges everywhere.
      */
     assert_in_range(differ, 0, covered / 50 + 10);
     free(open);

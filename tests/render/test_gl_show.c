@@ -56,7 +56,7 @@ static scene scene_of(const char *seed, int width, int height)
     return s;
 }
 
-/* Sets the pointers to the surfaces of the scene. Must be called again after the scene was copied. */
+/* Sets the pointers to the surfaces of the scene. This is also necessary for each copy of a scene. */
 static void set_surfaces(scene *s)
 {
     s->thing[0].surface = &s->bone;

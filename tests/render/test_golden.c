@@ -134,8 +134,8 @@ static void free_thing(thing *t)
 }
 
 /*
- * Returns the nearest hit of one or two objects. `scale` is the voxel size of the second object in voxels
- * of the first object.
+ * Returns the nearest point at which the ray through (x, y) hits one of the objects (at most two). `scale` is
+ * the voxel size of the second object in voxels of the first object.
  */
 static hit nearest(const thing *t, int count, double scale, double x, double y)
 {

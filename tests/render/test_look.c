@@ -74,7 +74,7 @@ static int differing(const uint32_t *a, const uint32_t *b, int width, int height
 /* OpenGL must draw the same colours, planes and ghosts. Returns false if OpenGL is not available. */
 static bool compare_opengl(bool antialiased)
 {
-    /* MOST is the number of pixels that may differ: 30 of 921,600 pixels, and one for each object drawn. With
+    /* At most MOST pixels may differ: a share of 30 in 921,600 pixels, and one more pixel for each object drawn. With
        antialiasing, each of these pixels may also change other pixels at distances up to OST_ANTIALIAS_REACH. */
     enum { W = 160, H = 120, MOST = 2, SPREAD = 4 * OST_ANTIALIAS_REACH };
     ost_error err = {0};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests clip planes: the points and shades of a clipped bone are compared with all its voxels, and the pixels at the
- * plane with the densities of the CT.
+ * Tests clip planes. The points and shades of a clipped bone are compared with its voxels. The pixels at the plane are
+ * compared with the densities of the CT.
  *
  * Covers: REQ-LOOK
  */

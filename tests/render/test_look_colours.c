@@ -91,7 +91,7 @@ static void density_and_depth_colours_equal_ct(void **state)
     ost_volume_free(&after);
 }
 
-/* Sets the density of the voxels from[] <= v < to[]. */
+/* Sets the density of all voxels v with from[a] <= v[a] < to[a] on each axis a. */
 static void fill_box(ost_volume *v, const int from[3], const int to[3], int16_t density)
 {
     for (int k = from[2]; k < to[2]; k++)

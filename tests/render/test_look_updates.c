@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests a surface that changes: new surface is highlighted for a time, and with every instruction set an updated block
- * equals a block that is computed from scratch.
+ * Tests a surface that changes. New parts of the surface must be highlighted for a time. With every instruction set, an
+ * updated block must equal a block that is computed from scratch.
  *
  * Covers: REQ-LOOK
  */

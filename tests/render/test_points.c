@@ -95,7 +95,7 @@ static bool clear_of_edges(const ost_eye *e, double x, double y, const int v[3])
 
 enum { NO_VOXEL = 0x7fffffff };
 
-/* Returns the number of the voxel that the pixel `at` shows, or NO_VOXEL if the pixel shows no face. */
+/* Returns the number of the voxel that pixel number `at` shows, or NO_VOXEL if the pixel shows no face. */
 static uint32_t id_at(const ost_frame *f, size_t at)
 {
     const ost_visible *v = &f->layer[0].visible;

@@ -152,7 +152,7 @@ static void unusual_meshes_are_handled(void **state)
     assert_ok(ost_smooth_mesh_make(NULL, 0, &grid, &out, &err));
     assert_int_equal(out.count, 0);
     ost_smooth_mesh_free(&out);
-    /* triangles without area: equal vertices, and vertices on a line */
+    /* zero-area triangles: equal vertices, and vertices on a line */
     assert_ok(ost_mesh_init(&mesh, 4, 3, &err));
     for (size_t i = 0; i < 4; i++)
         set(&mesh, i, (double)i, i == 3, 0);
@@ -313,7 +313,7 @@ static void pixels_show_nearest_triangle(void **state)
         for (int y = 0; y < HEIGHT; y++)
             for (int x = 0; x < WIDTH; x++) {
                 candidate found[TRIANGLES];
-                double nearest = 1e30; /* upper bound of the depth of the nearest triangle */
+                double nearest = 1e30; /* upper bound on the depth of the nearest triangle */
                 int candidates = 0;
                 bool clear = true, shown = false;
                 for (int t = 0; t < TRIANGLES; t++) {

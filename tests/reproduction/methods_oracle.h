@@ -95,7 +95,7 @@ static inline bool oracle_point(const ost_tool_volume *tool, methods_points whic
     return which == METHODS_POINTS_SOLID;
 }
 
-/* The map from tool points to bone voxels that points.h defines, with `fraction` fraction bits. */
+/* The map of points.h, which maps tool points to bone voxels. Its integers have `fraction` fraction bits. */
 typedef struct oracle_map {
     int fraction;
     wide anchor[3], base[3], step[3][3];
@@ -125,7 +125,7 @@ static inline oracle_map oracle_map_of(const bench_scene *e)
     vector(e->pose.t, t);
     vector(e->bone.origin, o);
     for (int b = 0; b < 3; b++) {
-        /* V_b of points.h follows from 2 N s V_b = 2 (R c)_b N + 2 N (t - o)_b + N s with 2 c = 2 corner + dims s_t */
+        /* points.h defines the symbols: 2 N s V_b = 2 (R c)_b N + 2 N (t - o)_b + N s, and 2 c = 2 corner + dims s_t */
         wide n = 2 * r.n * (t[b] - o[b]) + r.n * s;
         for (int a = 0; a < 3; a++)
             n += r.m[b][a] * (2 * corner[a] + dims[a] * s_t);
@@ -136,7 +136,7 @@ static inline oracle_map oracle_map_of(const bench_scene *e)
 }
 
 /*
- * Checks that the fixed-point coordinate of a point differs from the exact coordinate by at most the bound of points.h.
+ * Checks that the fixed-point coordinate of a point differs from the exact coordinate by at most the bound in points.h.
  */
 static inline void check_error(const bench_scene *e, const oracle_map *m, const wide half[3], int b, wide u)
 {
