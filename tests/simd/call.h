@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Calls a kernel. If the call fails, a sentence describes the error: a fault and its address, a call that does not
- * end, or processor state that the kernel did not restore.
+ * Calls a kernel and reports errors as text. The errors are a fault, which is reported with its address, a call that
+ * does not end, and processor state that the kernel does not restore.
  */
 #ifndef OST_TESTS_SIMD_CALL_H
 #define OST_TESTS_SIMD_CALL_H

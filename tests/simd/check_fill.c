@@ -62,7 +62,7 @@ static void some_row(check *c, int32_t nx, int kind, uint64_t *plus, uint64_t *m
     }
     if (kind == 1 && inside) { /* The row must end outside the mesh. */
         const uint64_t bit = UINT64_C(1) << ((nx - 1) % 64);
-        /* A row that enters the mesh at its last centre loses this crossing. Any other row leaves the mesh there. */
+        /* If the row enters the mesh at its last centre, this crossing is removed; otherwise, the row leaves there. */
         if (plus[(nx - 1) / 64] & bit)
             plus[(nx - 1) / 64] &= ~bit;
         else

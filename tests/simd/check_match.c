@@ -55,9 +55,8 @@ static int32_t on_border(check *c, const ost_match *match, int a, int32_t u)
 }
 
 /*
- * Places bricks so that their centres lie in mixed cells. The distance of a brick's centre from its
- * first voxel is that of part 0 of the split, because the first voxel of part 0 is the first voxel
- * of the cube that is split.
+ * Places bricks so that their centres lie in mixed cells. split->centre[a][0] is the distance from a
+ * brick's first voxel to its centre, because part 0 begins at the first voxel of the split cube.
  */
 static size_t place_mixed(check *c, const ost_match *match, const ost_split *split, ost_cubes *bricks, size_t count)
 {

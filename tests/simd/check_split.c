@@ -6,9 +6,9 @@
  * three kinds of limits: the fraction above which the base is computed by a division, the least and greatest base that
  * a block can have, and the least and greatest base at which the tool reaches the block.
  *
- * `split` may write its lists in any order, so the lists are compared as sets. For this, both lists are sorted by the
- * numbers of the parts, which are all different. The previous content of the lists must not change, and nothing beyond
- * the OST_CUBES_SLACK elements after a list may be written.
+ * `split` may write its lists in any order, so both lists are sorted by part number before they are compared. No two
+ * parts have the same number. The previous content of the lists must not change, and nothing beyond the OST_CUBES_SLACK
+ * elements after a list may be written.
  */
 #include "core/int128.h"
 #include "simd/remove_cases.h"

@@ -50,7 +50,7 @@ static void corners_at_the_limit(check *c, int f, const int32_t end[3], int32_t 
     }
 }
 
-/* Makes the corners of one triangle, with 0 <= coordinate <= end. */
+/* Makes the corners of one triangle. On each axis a, their coordinates are in [0, end[a]]. */
 static void some_corners(check *c, int f, const int32_t end[3], int32_t (*corner)[3])
 {
     const int32_t w = 1 << f;

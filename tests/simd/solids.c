@@ -46,7 +46,7 @@ static bool is_solid(form f, test_rng *rng, const int32_t d[3], const int32_t at
     return false;
 }
 
-/* Sizes of bone voxels in units of 2^-20 tool voxels. They lead to all steps of windows and all sizes of granules
+/* Sizes of bone voxels in units of 2^-20 tool voxels. They cover all steps of windows and all sizes of granules
    (shape.h). */
 static const int32_t ratios[] = {65536,   300000,  493000,  524288,  524289,  985000,  986000,   1000000,
                                  1048576, 1048577, 1113000, 1209000, 1211000, 1300000, 1412000,  1413000,

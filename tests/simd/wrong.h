@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Kernels with one small error each, by which test_checksimd.c tests that checksimd detects errors. Each family of
+ * Kernels with one small error each. test_checksimd.c tests that checksimd detects these errors. Each family of
  * kernels has a file wrong_FAMILY.c with a list.
  *
  * Most of the wrong kernels call the scalar kernel and cause an error before or after the call.

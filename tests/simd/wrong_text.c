@@ -39,7 +39,7 @@ static size_t match_wraps_densities(const ost_text_pattern *pattern, const ost_t
     return n;
 }
 
-/* Simulates a kernel that also matches the line that begins at `end`, although another thread reads this line. */
+/* Simulates a kernel that does not stop at `end` and also matches the next line, which another thread reads. */
 static size_t match_continues_after_the_end(const ost_text_pattern *pattern, const ost_text_column *columns,
                                             const uint8_t *lengths, const char *text, const char *end, size_t lines,
                                             int16_t *density, const char **next)

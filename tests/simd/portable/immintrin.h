@@ -188,7 +188,7 @@ OST_PORTABLE uint64_t _pdep_u64(uint64_t a, uint64_t mask)
         return r;                                                      \
     }
 
-/* Defines a comparison. Bit i of the result is the value of `expression`, in which x and y are lane i of a and b. */
+/* Defines a comparison. Bit i of the result is the value of `expression`; x is lane i of a, and y is lane i of b. */
 #define OST_COMPARE(name, mask, reg, type, count, expression) \
     OST_PORTABLE mask name(reg a, reg b)                      \
     {                                                         \

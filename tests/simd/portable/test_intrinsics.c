@@ -21,7 +21,7 @@
 
 enum { ROUNDS = 500 };
 
-/* Replaces some lanes by values for which the definitions of the intrinsics have special cases. */
+/* Replaces some lanes with values for which the definitions of the intrinsics have special cases. */
 static void set_input(test_rng *rng, intrinsic_input *in)
 {
     static const float floats[] = {0.0f, -0.0f, 0.5f, -0.5f, 1.5f, 2147483520.0f, 2147483648.0f, -2147483648.0f, 3e9f};
