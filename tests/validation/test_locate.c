@@ -80,7 +80,7 @@ static void patterns_in_hand_made_grids(void **state)
     assert_pattern(&v, PATTERN_AXIS_SWAP, "x and y exchanged");
 
     p = make_pair();
-    for (int z = 10; z < 20; z++) /* the layers are shifted only in a part of the grid */
+    for (int z = 10; z < 20; z++) /* the layers are shifted in only part of the grid */
         for (int y = 8; y < 20; y++)
             for (int x = 8; x < 20; x++)
                 p->b[at(x, y, z)] = p->a[at(x, y, z - 1)];
@@ -192,7 +192,7 @@ static void patterns_of_tools(void **state)
     memcpy(p->b, p->a, sizeof p->b);
     for (int z = 12; z < 16; z++)
         for (int y = 12; y < 16; y++)
-            for (int x = 12; x < 20; x++) { /* the non-cutting part begins at x = 16 in a and extends too far in b */
+            for (int x = 12; x < 20; x++) { /* the non-cutting part begins at x = 16 in p->a, but at x = 12 in p->b */
                 p->b[at(x, y, z)] = 2;
                 p->a[at(x, y, z)] = x < 16 ? 1 : 2;
             }

@@ -12,7 +12,7 @@
 #include "validation/compare.h"
 #include "validation/perform.h"
 
-/* Fails as if the device were lost. The status is the same as that of a missing function. */
+/* Fails as if the device were lost. A missing function causes the same status. */
 static ost_status lost_upload(ost_bone *bone, int32_t z0, int32_t count, const int16_t *voxels, ost_error *err)
 {
     (void)bone, (void)z0, (void)count, (void)voxels;

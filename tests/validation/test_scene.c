@@ -133,8 +133,8 @@ static void small_bones_are_downloaded_completely(void **state)
 }
 
 /*
- * Counts the voxels along one axis whose source voxel is wrong if it is computed in floating point: as the index
- * times the ratio of the spacings, truncated. The ratio has single or double precision.
+ * Counts the voxels along one axis whose source voxel is wrong if it is computed in floating point, in single or double
+ * precision. The computation multiplies the index by the ratio of the spacings and truncates the product.
  */
 static int decided_by_ratio(const scene *s, ost_pm rect, int32_t n, bool single)
 {
@@ -353,7 +353,7 @@ static void reach_cases_have_designed_properties(void **state)
                 on_a_line += e[0][0] && e[1][0] && e[0][0] != e[1][0] && e[0][0] * e[1][1] == e[0][1] * e[1][0] &&
                              e[0][1] * e[1][2] == e[0][2] * e[1][1] && e[0][0] * e[1][2] == e[0][2] * e[1][0];
             }
-            /* These triangles without area are dropped when the mesh is snapped. */
+            /* These zero-area triangles are dropped when the mesh is snapped. */
             assert_int_equal(m->triangle_count - plates->cutting.triangle_count, 4);
             assert_int_equal(on_a_line, 4);
             assert_int_equal(plates->noncutting.triangle_count, 10); /* a box without one face */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests the second implementation of the steps before the voxels: the examples of
- * docs/spec/arithmetic.md, wide integers compared with __int128, digests of bones, and the
+ * Tests the second implementation of the steps that precede the computation of voxels: the examples
+ * of docs/spec/arithmetic.md, wide integers compared with __int128, digests of bones, and the
  * differences that a comparison with this implementation reports.
  *
  * Covers: AR-INT-1, AR-INT-2, AR-POSE-4, AR-CUB-1, AR-TOOL-2, AR-MESH-3, AR-MESH-4, AR-SWEEP-1..5,
@@ -199,7 +199,7 @@ static void events_equal_hand_computed_results(void **state)
     const ost_pose at = {{0, 0, 0}, OST_Q30_ONE, 0, 0, 0};
     ost_tick ticks[] = {
         {.t_ns = 0, .rpm = 200, .pose = at},         /* the first tick of its tool */
-        {.t_ns = 1000000, .rpm = 200, .pose = at},   /* in the same removal period as the tick before */
+        {.t_ns = 1000000, .rpm = 200, .pose = at},   /* in the same removal period as the first tick */
         {.t_ns = 3000000, .rpm = 0, .pose = at},     /* motor off: no removal */
         {.t_ns = 3500000, .rpm = 200, .pose = at},   /* the first tick after the motor was off */
         {.t_ns = 3600000, .rpm = 200, .pose = at, .lifted = true},

@@ -122,8 +122,8 @@ static inline void add_triangle(ost_snapped_mesh *m, size_t a, size_t b, size_t 
 }
 
 /*
- * Sets the limits lo and hi of a range of odd half width around the centre of the middle voxel. A diagonal
- * between two corners of such a box passes exactly through this centre.
+ * Sets *lo and *hi to limits at the same odd distance from the centre of the middle voxel. A diagonal of a
+ * box with such limits passes exactly through this centre.
  */
 static inline void about_centre(test_rng *rng, int32_t n, int32_t *lo, int32_t *hi)
 {
@@ -260,7 +260,7 @@ static inline void make_events(scene *s, test_rng *rng)
         s->events[e].collide = rng_range(rng, 0, 5) == 0;
         const ost_tool_geometry *g = s->events[e].given ? &s->given.geometry : &s->cutting.grid;
         ost_pose to = scene_pose(s, rng, g->voxel), from = to;
-        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* begins at the last pose of the previous event */
+        if (e > 0 && rng_range(rng, 0, 2) == 0) { /* the event begins at the last pose of the previous one */
             from = s->events[e - 1].poses[s->events[e - 1].count - 1];
             to = from;
         }
