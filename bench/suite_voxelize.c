@@ -41,8 +41,8 @@ typedef struct voxelize {
     ost_voxelize_report report;
     bench_series ours_bits, ours_tool, ours_bytes;
     bench_series embree[2]; /* embree[1] contains the times of Embree's fast, low-quality build */
-    uint64_t *bits;     /* bits of the baseline */
-    uint64_t *own_bits; /* bits that osteon writes; NULL if the backend writes only bytes */
+    uint64_t *bits;     /* output buffer for the baseline's bits */
+    uint64_t *own_bits; /* output buffer for osteon's bits; NULL if the backend writes only bytes */
     int64_t embree_solid;
     bool has_embree, equal;
 } voxelize;

@@ -48,7 +48,7 @@ int main(int argc, char **argv)
         status = ost_mesh_snap(&mesh, &grid, &snapped, &err);
     if (!status)
         status = ost_backend_open("cpu", &backend, &err);
-    if (!status) /* this mesh cuts; the next argument would be the mesh of a shaft, which does not cut */
+    if (!status) /* NULL: the tool has no non-cutting part, such as a shaft */
         status = ost_voxelize(backend, &snapped, NULL, OST_FILL_WINDING, &report, &tool, &err);
     if (!status)
         status = ost_tool_download(tool, &volume, &err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Determines the settings and the machine of a run. */
+/* Records the settings of a run and describes the machine on which the run takes place. */
 #include <stdio.h>
 #include <string.h>
 

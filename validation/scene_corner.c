@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Makes a case for backends that exclude a cube of 8^3 bone voxels if the tool is too far from the cube's middle. Each
- * tool has one voxel. At the tool's pose, the centre of one corner voxel of the cube [8, 16)^3 lies in the tool. Along
- * the cube's diagonal, this centre is about a hundredth of a tool voxel below the tool's surface:
+ * tool has one voxel. In each pose, the tool contains the centre of one corner voxel of the cube [8, 16)^3. This centre
+ * is about a hundredth of a tool voxel below the tool's surface, measured along the cube's diagonal:
  *
- *   middle of the cube ---- R, 3.5 sqrt(3) bone voxels ----> centre of the corner's voxel
- *                      ---- r = sqrt(34), ... tool voxels -> the tool
+ *   middle of the cube ---- R = 3.5 sqrt(3) bone voxels ----> centre of the corner voxel
+ *                      ---- r ---------------------------> the tool
  *
- * R is between r and the next eighth of a tool voxel, so a backend that rounds r up to a multiple of 1/8 would exclude
- * the cube. The distance from the tool to the cell of 2^3 tool voxels that contains the cube's middle is also r,
- * because the middle is near a multiple of two tool voxels. tests/validation/test_scene checks these properties of the
- * numbers below.
+ * In tool voxels, r is sqrt(34), sqrt(20), sqrt(26) or sqrt(30), depending on the tool. R is greater than r but less
+ * than the next multiple of 1/8 above r. A backend that rounds r up to this multiple therefore excludes the cube. The
+ * distance from the tool to the cell of 2^3 tool voxels that contains the cube's middle is also r, because the middle
+ * is near a multiple of two tool voxels. tests/validation/test_scene checks these properties.
  */
 #include "validation/scene_parts.h"
 

@@ -60,8 +60,8 @@ enum { LARGE_X = 1025, LARGE_Y = 65, LARGE_Z = 32, LARGE_SAMPLES = 140000, LARGE
 #define LARGE_UNIT ((ost_pm)334)
 #define LARGE_VOXEL (LARGE_UNIT << OST_MAP_FRACTION)
 
-/* Returns a position along one axis: on the lattice point, exactly 1/8 or 3/8 of a voxel from it, or at another
-   distance below 3/8. */
+/* Returns a coordinate that is at most 3/8 of a voxel away from the lattice point `index`. Distances of 0, 1/8 and 3/8
+   of a voxel are frequent, and so is 1/8 of a voxel plus one picometre. */
 static ost_pm jittered(draw *d, ost_pm origin, ost_pm spacing, int32_t index)
 {
     const ost_pm eighth = spacing / 8, offs[] = {0, eighth, eighth + 1, 3 * eighth};

@@ -35,8 +35,8 @@ typedef struct sensitivity_counts {
     uint64_t not_detected, not_located;
 } sensitivity_counts;
 
-/* The number of difference classes: one for each pattern, one for differences only in the report, and one for
-   differences without grids to compare. */
+/* The number of difference classes: one for each pattern, one for differences only in the report, and one for all
+   other differences, for which no grids are compared. */
 enum { SENSITIVITY_CLASSES = PATTERNS + 2 };
 const char *sensitivity_class_name(int class);
 

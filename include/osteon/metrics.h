@@ -96,7 +96,7 @@ typedef struct ost_metrics_motion {
  */
 typedef struct ost_metrics {
     double removed_mm3, removed_by_class_mm3[OST_CLASS_MAX];
-    /* The following values describe the floor, which is the exposed bone without the holes of drills. */
+    /* The following values describe the floor, which is the exposed bone excluding drill holes. */
     double floor_mm2;
     /* Depths of the floor below the native face, measured along the plan's axis. */
     double depth_mean_mm, depth_p95_mm, depth_max_mm;
@@ -194,7 +194,7 @@ typedef struct ost_technique {
     int contacts, passes;        /* number of intervals in contact, and number of intervals in which bone was removed
                                   * (docs/reference/metrics.md) */
     double contact_s, cutting_s, contact_path_mm;
-    bool felt;                   /* true if the force was not 0 in at least one tick */
+    bool felt;                   /* true if the force was nonzero in at least one tick */
     /* Hand force: mean and 95th percentile during contact, and maximum. */
     double force_mean_n, force_p95_n, force_max_n;
     /* Angle between the tool's working direction and the plan's axis during contact. */

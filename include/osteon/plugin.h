@@ -116,8 +116,8 @@ typedef struct ost_plugin_samples {
 } ost_plugin_samples;
 
 /*
- * The results of scattering samples; see ost_scatter_report in backend.h. On entry, the struct contains the results
- * of the previous batches. On return, it also includes this batch.
+ * The results of ct_to_rect; see ost_scatter_report in backend.h. On entry, the struct contains the results of the
+ * previous batches. On return, it also includes this batch.
  */
 typedef struct ost_plugin_scatter_report {
     uint32_t size;

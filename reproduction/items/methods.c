@@ -407,8 +407,8 @@ ost_status item_yau(reproduction *r, result *out, ost_error *err)
 /* -------------------------------------------------------------- Figure 3.9 */
 
 /*
- * Returns the element of `list` that is closest to `side`, the side of a grid in voxels. The two may differ, because a
- * grid is slightly larger than its nominal size.
+ * Returns the nominal size in `list` that is closest to `side`, the actual side of a grid in voxels. A grid is slightly
+ * larger than its nominal size.
  */
 static int32_t nearest_side(const int32_t *list, int count, int32_t side)
 {

@@ -88,7 +88,8 @@ typedef struct methods_row {
     int64_t expected;      /* number of voxels in osteon's set */
     int64_t missed, extra; /* number of voxels only in osteon's set; number of voxels only in the method's set */
     int64_t missed_inside; /* number of missed voxels whose six neighbours all belong to osteon's set */
-    bool exact; /* true if the method's set equals the set that its definition requires; false is an error */
+    /* true if the method's set equals the set that the method's definition requires; false indicates an error */
+    bool exact;
     /* memory in bytes for the bone's voxels; for the chunk table, positions, nodes or masks; for the tool */
     int64_t bone_bytes, index_bytes, tool_bytes;
 } methods_row;

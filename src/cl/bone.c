@@ -192,10 +192,10 @@ typedef struct slices {
     /* voxels on the host, beginning with slice z0; NULL if `slab` is the store of a grid, which begins with slice 0 */
     const int16_t *voxels;
     cl_mem slab;           /* the slices to convert: a buffer of `step` slices, or the store of a grid */
-    /* slice k has the index layers[first + k - z0] in the slab or, if `first` is negative, the index k - z0 */
+    /* slice k is slice i of the slab; i is layers[first + k - z0] or, if `first` is negative, k - z0 */
     cl_mem layers;
-    /* If weights >= 0, slice k is the weighted mean of the slab's slice that `layers` gives for k and the next slice of
-       the slab. The weight of the next slice is layers[weights + k - z0]. */
+    /* If weights >= 0, slice k is instead the weighted mean of slices i and i + 1 of the slab. The weight of slice
+       i + 1 is layers[weights + k - z0]. */
     int32_t first, weights;
     int32_t step;
 } slices;
@@ -307,7 +307,7 @@ static ost_status scan_all(cl_bone *bone, const slices *s, uint32_t *scanned, os
  */
 static ost_status give_slots(cl_bone *bone, const uint32_t *scanned, bool all_slices, ost_error *err)
 {
-    /* With the kernel set for CPUs, a kernel stores complete chunks including the padding, so slots need no zeros. */
+    /* The kernel set for CPUs stores complete chunks including the padding, so the slots need not be cleared. */
     const bool raw = all_slices && bone->used == 0 && backend_of(bone)->cpu_set;
     size_t needed = 0;
     for (size_t c = 0; c < bone->chunks; c++)

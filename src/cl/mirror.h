@@ -30,7 +30,7 @@ struct cl_mirror {
     size_t at_once;
 };
 
-/* Creates the mirror of a bone, without voxels. On failure, bone->mirror is NULL. */
+/* Creates the mirror of a bone. The mirror contains no voxels yet. On failure, bone->mirror is NULL. */
 ost_status ost_cl_mirror_make(cl_bone *bone, ost_error *err);
 /* Frees the mirror of a bone. Does nothing if the bone has no mirror. */
 void ost_cl_mirror_free(cl_bone *bone);

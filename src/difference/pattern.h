@@ -96,7 +96,7 @@ typedef struct pattern_list {
     pattern of_all;                    /* class of the difference */
 } pattern_list;
 
-/* Checks all patterns. The dims or at least one voxel must differ. */
+/* Checks all patterns. The two grids must differ in their dims or in at least one voxel. */
 void ost_pattern_find(const pattern_view *view, pattern_list *out);
 
 #endif

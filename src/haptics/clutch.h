@@ -33,7 +33,8 @@ haptic_clutch ost_haptic_clutch_make(const ost_pose *start, double scale);
  * function for devices whose axes have a fixed meaning, such as right and up.
  */
 void ost_haptic_clutch_lay(haptic_clutch *clutch);
-/* Disengages the clutch. The next pose engages the clutch with the tool at its current position. */
+/* Disengages the clutch, so that the tool stops following the body. The next pose engages the clutch with the
+   tool at its current position. */
 void ost_haptic_clutch_release(haptic_clutch *clutch);
 /* Sets the tool's pose and disengages the clutch. The next pose engages the clutch with the tool at its new pose. */
 void ost_haptic_clutch_engage_at(haptic_clutch *clutch, const ost_pose *tool);

@@ -14,7 +14,7 @@
 #include <osteon/haptics.h>
 
 typedef struct haptic_workspace {
-    double at[3];          /* position of `start` in m */
+    double at[3];          /* position of the start pose, in metres */
     /* element [row][column] of the rotation from the device's frame to the bone's frame */
     double turn[3][3];
     /* rotation from the tool's frame to the device's frame while the handle is upright */

@@ -32,7 +32,7 @@
 enum {
     TEETH = 12,
     FACE_RINGS = 28, /* number of rings on the face, from the nose to the rim */
-    NOSE_RINGS = 6,  /* number of the innermost rings of the face, which have no grooves */
+    NOSE_RINGS = 6,  /* number of rings without grooves at the centre of the face */
     RAMP_RINGS = 6,  /* number of rings over which the grooves grow to full depth */
     BACK_RINGS = 11,
     BACK_OF_HEAD = 4 /* number of rings of the back that precede the hub */

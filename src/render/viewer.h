@@ -74,9 +74,9 @@ void ost_viewer_free(ost_viewer *viewer); /* accepts a zero-initialized viewer *
 ost_status ost_viewer_use_gl(ost_viewer *viewer, const ost_gl_variant *variant, ost_error *err);
 
 /*
- * Selects OpenGL in the context that is current on the calling thread, for example that of a window. On success, the
- * viewer must then be used only on this thread and with this context current. Returns OST_ERR_UNAVAILABLE if the
- * context belongs to a software renderer.
+ * Selects OpenGL with the context that is current on the calling thread, for example the context of a window. On
+ * success, the viewer must then be used only on this thread and with this context current. Returns OST_ERR_UNAVAILABLE
+ * if the context belongs to a software renderer.
  */
 ost_status ost_viewer_use_current(ost_viewer *viewer, ost_error *err);
 /*
@@ -98,7 +98,7 @@ void ost_viewer_use_card(ost_viewer *viewer);
  */
 ost_status ost_viewer_use_mesh(ost_viewer *viewer, ost_backend *mesher, ost_error *err);
 
-/* Adds a tool. Tools must be added in the same order as to the world. */
+/* Adds a tool. The tools must be added in the order in which they were added to the world. */
 ost_status ost_viewer_add_tool(ost_viewer *viewer, const ost_tool_volume *volume, ost_error *err);
 /*
  * Sets the meshes of the most recently added tool, one mesh for each part, in the frame of the tool. With

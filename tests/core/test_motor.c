@@ -122,7 +122,7 @@ static void intervals_are_divided_into_ticks(void **state)
     path.ticks[3].lifted = true;                /* a lifted row gives one tick, whatever the interval */
     path.ticks[4] = row(2137, OST_RPM_OF_DEVICE, 60);
     path.ticks[4].tool = 1;                     /* a row that follows a row with another tool also gives one tick */
-    /* A row with its own speed, as in a path from a session, is unchanged. */
+    /* A row that contains a motor speed, like the rows of a session's path, is unchanged. */
     path.ticks[5] = row(3137, 50, 70);
     path.ticks[6] = row(3200, OST_RPM_OF_DEVICE, 80);
     assert_ok(ost_motor_path(&path, 200, &motor, &err));

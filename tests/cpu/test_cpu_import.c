@@ -332,8 +332,8 @@ static void samples_to_rect(void **state)
                 for (int a = 0; a < 3; a++) {
                     p[a] = origin[a] + rng_range(&rng, wild ? -1 : 0, dims[a] - !wild) * s[a];
                     /*
-                     * Three of seven offsets are 0. The other offsets are 1/8, 1/4, 3/8 or 1/2 of a voxel in
-                     * either direction. At most one picometre is added to or subtracted from each offset.
+                     * The offset from the lattice point is 0 in three of seven cases; otherwise, it is 1/8, 1/4, 3/8
+                     * or 1/2 of a voxel in either direction. In addition, the position is changed by -1, 0 or 1 pm.
                      */
                     const int eighths[] = {0, 0, 0, 1, 1, wild ? 4 : 2, wild ? 3 : 1};
                     p[a] += eighths[rng_range(&rng, 0, 6)] * s[a] / 8 * (rng_range(&rng, 0, 1) ? 1 : -1) +

@@ -11,7 +11,7 @@
  * values of K (for all values if N is 0). In each of these runs the folder is empty at first and the K-th call fails
  * (inject.c). Each run must satisfy:
  *
- *   - the command ends by itself, and its exit status is the expected one, 2 or 3;
+ *   - the command ends by itself, either with the expected exit status or with status 2 or 3;
  *   - if the exit status is the expected one, the folder contains exactly the expected files, with
  *     the expected bytes, and standard output is as expected;
  *   - if the exit status is 2 or 3, each expected file is absent or has the expected bytes, there is

@@ -173,7 +173,7 @@ static ost_status run(scene *s, ost_servo_tick *tick, ost_servo_done *done, ost_
 
 static void tick_allocates_nothing(void **state)
 {
-    /* Only the backend cpu is tested: the reference allocates memory, and the driver of an OpenCL device may do so. */
+    /* Only the cpu backend is tested: the reference allocates memory, and the driver of an OpenCL device may do so. */
     if (!COUNTING || strncmp(ost_backend_name(*state), "cpu", 3) != 0)
         skip();
     ost_error err = {0};

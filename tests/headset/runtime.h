@@ -30,7 +30,7 @@ typedef struct fake_xr_state {
     /* The runtime writes the following members. */
     uint32_t picture[2][FAKE_PIXELS];
     float shown_fov[2][4];
-    int frames, layers;      /* numbers of completed frames and of completed frames with a picture */
+    int frames, layers;      /* number of completed frames, and how many of them had a picture */
     int instances, sessions; /* numbers of existing instances and sessions */
     bool wrong_order;        /* set if a call was made in a state that OpenXR does not allow */
 } fake_xr_state;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Tests a session with a runtime for tests (runtime.h). The picture of each eye is compared with a part of a larger,
+ * Tests a session with a fake OpenXR runtime (runtime.h). The picture of each eye is compared with a part of a larger,
  * symmetric picture. The two must be equal except for a few pixels at edges. The calls must be in the order that OpenXR
- * requires. Every failure of the runtime must cause one error, and no session may remain. The test is skipped if OpenGL
- * without a display is not available.
+ * requires. Every failure of the runtime must cause one error, and every session must be destroyed. The test is skipped
+ * if OpenGL cannot be used without a display.
  * Covers: REQ-HEADSET
  */
 #include <dlfcn.h>

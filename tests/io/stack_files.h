@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Builds TIFF and PNG files byte by byte, from the descriptions of the formats and without libtiff and
- * libpng: TIFF 6.0 with one strip per page, PNG with one IDAT chunk.
+ * Builds TIFF 6.0 files with one strip per page, and PNG files with one IDAT chunk. The files are built byte by
+ * byte according to the format specifications, without libtiff or libpng.
  */
 #ifndef OST_TESTS_STACK_FILES_H
 #define OST_TESTS_STACK_FILES_H

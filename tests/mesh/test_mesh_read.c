@@ -269,7 +269,7 @@ static void units_are_given_or_inferred(void **state)
     (void)state;
     static bytes b;
     static const struct {
-        const char *scale; /* the mesh is the triangle (0, 0, 0) (scale, 0, 0) (0, scale, 0) */
+        const char *scale; /* the mesh is the triangle with the vertices (0, 0, 0), (scale, 0, 0) and (0, scale, 0) */
         ost_unit unit;
         int64_t pm;          /* expected scale in picometres; 0 if the file must be refused */
         const char *message; /* text that the error must contain, if the file is refused */

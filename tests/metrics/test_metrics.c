@@ -238,8 +238,8 @@ static void over_reaming_grows_with_depth(void **state)
 }
 
 /*
- * The landmarks define a lateral axis of the scapula that is rotated by a given angle. The version or
- * inclination of the planned face must be this angle.
+ * The landmarks are placed so that the scapula's lateral axis is rotated by a given angle relative to the plan's
+ * axis. The version or the inclination of the plan's axis must equal this angle.
  */
 static void angles_in_scapula_frame(void **state)
 {

@@ -134,8 +134,8 @@ static void quarter_turns_are_exact(void **state)
 
 static void far_blocks_are_reported(void **state)
 {
-    /* Tests positions along x at and next to the borders of AR-MAP-5, one unit of 2^-20 apart. The voxels of bone
-       and tool are 2^30 pm wide. */
+    /* For each limit of AR-MAP-5, tests the last near base along x and the first far base, which differ by one unit
+       (2^-20 of a voxel). The voxels of bone and tool are 2^30 pm wide. */
     (void)state;
     ost_error err = {0};
     const ost_pm v = INT64_C(1) << 30; /* 2^-20 of this voxel is 1,024 pm */

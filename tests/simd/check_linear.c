@@ -174,8 +174,8 @@ static int32_t some_sum(check *c, int sign)
 }
 
 /*
- * Changes element i of the rows so that the sum of the rows becomes a tie or differs from a tie by
- * at most 2. An element that would leave its range is not changed.
+ * Changes element i of the rows so that the weighted sum of the rows differs from a tie by at most 2. An
+ * element that would leave its range is not changed.
  */
 static void make_tie(check *c, int32_t *const rows[4], const int32_t weight[4], int count, int i)
 {

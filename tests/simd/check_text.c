@@ -54,7 +54,7 @@ static void some_bytes(check *c, size_t length, unsigned char *text, unsigned ch
     }
 }
 
-/* Writes the text of a density, which is valid if `good`. Returns its length. */
+/* Writes a valid text of a density if `good` is true, and an invalid text otherwise. Returns the text's length. */
 static size_t some_density(check *c, bool good, char *out)
 {
     static const char *const fine[] = {"0",     "-0",     "1",     "-1",     "9",     "10",

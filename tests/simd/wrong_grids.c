@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Wrong kernels of grids and of the import, and wrong versions of `drain`, which leave the processor in another state.
+ * Defines wrong variants of the kernels for grids and for the import, and wrong variants of `drain`. Each variant of
+ * `drain` either traps, never returns, or changes the state of the processor.
  */
 #include <stdlib.h>
 #include <string.h>

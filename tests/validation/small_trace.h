@@ -14,7 +14,7 @@
 
 enum { PATH = 4200, SCENES = 3 };
 
-/* Performs the scene on the backend and closes the backend. Opens the trace in *out and removes its file. */
+/* Runs the scene on the backend and closes the backend. Opens the trace of the run as *out and removes its file. */
 static inline ost_status traced(ost_backend *backend, const scene *s, const char *name, trace *out)
 {
     char path[PATH];

@@ -228,10 +228,10 @@ static void in_tool(const ost_tick *tick, ost_pm voxel, const ost_pm at[3], doub
 }
 
 /*
- * Tests the case poses/4, whose tools consist of one voxel. Of the eight corner voxels of the cube [8, 16)^3
- * of bone voxels, exactly one must have its centre in the tool. Let R be the distance from the middle of the
- * cube to the centre of a corner voxel, in tool voxels. Let D be the distance from the tool to the cell of
- * 2^3 tool voxels that contains this middle. R must lie between D and the next greater multiple of 1/8.
+ * Tests the case poses/4, whose tools consist of one voxel (validation/scene_corner.c). Each tool must contain
+ * the centre of exactly one of the eight corner voxels of the cube [8, 16)^3. Let R be the distance from the
+ * cube's middle to this centre, and r the distance from the tool to the cell of 2^3 tool voxels in which the
+ * middle lies, both in tool voxels. R must be greater than r but less than the next multiple of 1/8 above r.
  */
 static void corners_of_cubes(void **state)
 {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Makes devices.json, which lists the processor's instruction sets and every OpenCL device of the loader.
- * For each device, the file contains the driver's description, a numeric fingerprint (results of integer
- * and float operations on the device), and whether the device was compared. The same machine with the same
- * drivers gives the same file.
+ * Makes devices.json, which lists the processor's instruction sets and every OpenCL device that the OpenCL
+ * loader finds. For each device, the file contains the driver's description, a numeric fingerprint (results of
+ * integer and float operations on the device), and whether the campaign compared the device with the
+ * reference. The same machine with the same drivers gives the same file.
  */
 #ifndef OST_VALIDATION_DEVICES_H
 #define OST_VALIDATION_DEVICES_H

@@ -16,7 +16,7 @@
 enum { REPRODUCED = 6 };
 
 /* Writes the small cases and stores the name of each small case in the campaign's findings. `program` is the path of
-   this program's file, temporary files are written to `folder`, and `show` may be NULL. */
+   this program's executable. Temporary files are written to `folder`. `show` may be NULL. */
 ost_status reproduce(campaign *c, const char *program, const char *folder,
                      void (*show)(void *user, const char *what, double share), void *show_user, evidence_sink *sink,
                      void *user, ost_error *err);

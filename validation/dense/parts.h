@@ -173,7 +173,7 @@ int64_t dense_thesis_layer(int32_t z, ost_pm cubic, ost_pm rect, bool fused);
 /* Computes MinVoxelCoords (Alg. 2.1 of the thesis) of both meshes together, in millimetres. */
 void dense_thesis_bounds(const ost_snapped_mesh *cutting, const ost_snapped_mesh *noncutting, bool fused,
                          float minimum[3]);
-/* Computes the same counts of one row as tool.c, but with float edge functions instead of integers. */
+/* Computes the counts of one row as tool.c does, but with float edge functions instead of integers. */
 void dense_thesis_row(const ost_snapped_mesh *mesh, const float minimum[3], int32_t j, int32_t k, bool fused,
                       int32_t *count, uint32_t *times, int64_t *total, uint64_t *owners);
 /* Adds the marks of the voxels that a tool hits at one pose, as computed by Algs. 2.8 to 2.10. */

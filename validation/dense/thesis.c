@@ -174,8 +174,8 @@ static float dot4(const float a[4], const float p[3], bool fused)
     return times_plus(a[0], p[0], times_plus(a[1], p[1], times_plus(a[2], p[2], a[3], fused), fused), fused);
 }
 
-/* Computes the range of chunks by Algs. 2.8 and 2.9. The tool's corners are transformed into the bone's box, with a
-   chunk as the unit. */
+/* Computes the range of chunks by Algs. 2.8 and 2.9. The tool's corners are transformed to the bone's frame, clamped to
+   the bone's box and converted to chunk indices. */
 static void share(boxes *x, const dense_bone *bone, bool fused)
 {
     const float n = (float)bone->base.chunk_size;

@@ -32,10 +32,10 @@ typedef struct dump_head {
 ost_status dump_read_head(const char *folder, dump_head *out, ost_error *err);
 
 /*
- * Writes the dump's results of the plan's cases [first, end) as a trace file. `ref` is the reference's trace,
- * and `ranges` contains the ranges of the cases in this trace. A case without any file in the dump gets no
- * record. `compared` has p->count elements; compared[i] is set to the number of records of case i that the
- * dump provides.
+ * Writes the results that a dump contains for the plan's cases [first, end) as a trace file. `ref` is the
+ * reference's trace, and `ranges` contains the ranges of the cases in this trace. A case without any file in
+ * the dump gets no record. `compared` has p->count elements; compared[i] is set to the number of records of
+ * case i that the dump provides.
  */
 ost_status dump_trace(const char *folder, const plan *p, int first, int end, const trace *ref,
                       const compare_range *ranges, const char *path, uint64_t *compared, ost_error *err);

@@ -11,8 +11,8 @@ enum { DUMP_PATH = 4096, DUMP_FORMAT = 1 };
 ost_status dump_join(char path[DUMP_PATH], const char *folder, const char *name, ost_error *err);
 /* Writes the name of a record's file without its extension, such as "rect", "tool-0", "tick-12" or "steps-12". */
 void dump_stage_name(const trace_record *r, char name[40]);
-/* Returns true if the record of a stage is one complete grid, which a dump may contain. The record of a tick, in
-   contrast, consists of the changed leaves. */
+/* Returns true if the record of a stage is one complete grid and a dump may contain this grid. The record of a tick,
+   in contrast, consists of the changed leaves. */
 bool dump_is_grid(trace_stage stage);
 /* Returns the index of voxel (x, y, z) in a grid of dims d that is stored with x fastest. */
 size_t dump_voxel_index(ost_dims d, int32_t x, int32_t y, int32_t z);

@@ -27,7 +27,7 @@ enum {
     MESH_DIGEST = 11,
     TICK_WORDS = 11,
     POSE_WORDS = 61,
-    BOX_WORDS = 7, /* number of words of `reaches` and the box, which are the last words of a pose */
+    BOX_WORDS = 7, /* number of words for `reaches` (1) and the box (6), at the end of a pose */
     BITS_OF_COORDINATE = 21,
     BYTES_MAX = 1 << 26
 };

@@ -23,7 +23,8 @@ typedef struct causes {
 /* Returns the possible causes of a class of differences; NULL if the table does not contain the class. */
 const causes *causes_of(const char *class);
 
-/* Writes a sentence that lists the kinds and their shares as possible causes. Writes "" if no cause is known. */
+/* Writes a sentence that lists the most frequent kinds of mistakes as possible causes, with their shares in percent.
+   Writes "" if no cause is known. */
 void causes_text(const char *class, char out[CAUSES_TEXT]);
 
 #endif

@@ -18,7 +18,7 @@ typedef struct finding {
        is unknown */
     int32_t chunk[3];
     int chunk_size;
-    /* class of the difference (pattern_name), or "report-only"; NULL if grids could not be compared */
+    /* class of the difference (ost_pattern_name), "report-only" or "steps"; NULL if grids could not be compared */
     const char *class;
     char text[PATTERN_TEXT]; /* the evidence for the class, as a sentence */
     operands operands;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Prints the rows of a benchmark as a table of text or of Markdown. */
+/* Prints the rows of a benchmark as a plain-text or Markdown table. */
 #include "app/bench/rows.h"
 
 #include <stdio.h>

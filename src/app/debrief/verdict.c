@@ -13,8 +13,8 @@
 #define AIM_OVER_MM3 20.0
 #define AIM_CONTACT 90.0
 /*
- * The operation is graded "Far off the plan" if a figure exceeds its aim by more than this factor, or if a wall is
- * perforated.
+ * The operation is graded "Far off the plan" if a figure exceeds its tolerance by more than this factor, or if a wall
+ * is perforated.
  */
 #define FAR_TIMES 8.0
 
@@ -26,8 +26,8 @@ static level judge(double value, double good, double watch)
 }
 
 /*
- * Adds a remark if the figure exceeds its aim. The list of remarks begins with the figure that exceeds its aim by the
- * largest factor.
+ * Adds a remark if the figure exceeds its tolerance. The list of remarks begins with the figure that exceeds its
+ * tolerance by the largest factor.
  */
 static void notice(verdict *v, level l, double times, const char *format, ...) OST_PRINTF(4, 5);
 

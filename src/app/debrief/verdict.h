@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compares each figure of a debrief with its aim and summarizes the results in one line: the grade, the figure that
- * exceeds its aim by the largest factor, and the outcome of the operation.
+ * Compares each figure of a debrief with its tolerance and summarizes the results in one line: the grade, the figure
+ * that exceeds its tolerance by the largest factor, and the outcome of the operation.
  */
 #ifndef OST_APP_DEBRIEF_VERDICT_H
 #define OST_APP_DEBRIEF_VERDICT_H
@@ -23,7 +23,7 @@ typedef struct verdict {
     level tilt, version, inclination, depth, entry, over, plate, contact, gap, hole_angle, hole_entry, wall, plunge;
     level worst;
     int grade;      /* grade of the operation, an index in verdict_grades */
-    double times;   /* the greatest ratio of a figure to its aim */
+    double times;   /* the greatest ratio of a figure to its tolerance */
     int count;
     char remark[REMARKS][REMARK];
     level of[REMARKS];

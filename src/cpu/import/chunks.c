@@ -61,7 +61,7 @@ typedef struct task {
     cpu_tap y[N_MAX], z[4];
     int slices; /* number of the layer's slices that lie in the grid */
     size_t row[2 * N_MAX]; /* the source rows of the task's rows, in ascending order, without duplicates */
-    /* `rows` is the number of elements of row[]. y[0] to y[4 g - 1] use the first first[g] elements. */
+    /* row[] has `rows` elements, of which row[0] to row[first[g] - 1] are the source rows of y[0] to y[4 g - 1]. */
     int rows, first[N_MAX / 4];
     size_t source[SLICES]; /* the source slices of the current layer, in ascending order, without duplicates */
     int sources;
@@ -168,7 +168,7 @@ static int32_t span_of(const filling *f, int32_t x0, int32_t width, int32_t *fir
     return map ? min32(map[x0 + width - 1] + (f->view.minus[0] ? 2 : 1), (int32_t)f->view.row) - *first : width;
 }
 
-/* Returns true if one of the source rows has an active voxel whose x is from `first` to first + span - 1. */
+/* Returns true if one of the source rows has an active voxel with first <= x < first + span. */
 static bool any_in_box(const filling *f, const int16_t *base, const size_t *row, int rows, int32_t first,
                        int32_t span)
 {
@@ -199,7 +199,8 @@ static bool greatest_is_active(const filling *f, const task *t, bool run, int32_
     int16_t gathered[N_MAX];
     int32_t first;
     const int32_t span = span_of(f, x0, width, &first);
-    /* Without x indices, source voxels are always adjacent along x, but `run` is false if the chunk is clipped. */
+    /* Source voxels that are adjacent along x need not be gathered. Without x indices, they are always adjacent, even
+       if `run` is false because the chunk is clipped. */
     if (f->linear || run || !f->view.map[0])
         return any_in_box(f, t->greatest, one_row, 1, first, span);
     f->kernels->gather_row(t->greatest, f->view.map[0] + x0, width, gathered);

@@ -52,7 +52,7 @@ typedef struct cpu_grid {
 typedef struct cpu_view {
     const int16_t *voxels;
     size_t row, slice;     /* distances in elements: between adjacent rows, and between adjacent slices */
-    /* index lists of the axes; if all are NULL, the view has the voxels of the store in the same order */
+    /* index lists of the axes; all NULL if voxel (x, y, z) of the view is voxel (x, y, z) of the store */
     const int32_t *map[3];
     const int16_t *minus[3];
 } cpu_view;

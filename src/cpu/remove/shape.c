@@ -230,8 +230,9 @@ static ost_status make_cells(ost_shape *shape, grain size, ost_error *err)
 /* --------------------------------------------------------------- windows */
 
 /*
- * The two sizes of windows. The first window begins `margin` voxels before the tool, and the last one ends more than
- * `behind` voxels after the tool. `lines` is the number of lines of a window.
+ * A size of windows: `edge` is the number of voxels along an edge, and `lines` is the number of lines of a window.
+ * On each axis, the first window begins `margin` voxels before the tool, and the last window ends more than `behind`
+ * voxels after the tool.
  */
 typedef struct window_size {
     int32_t edge, margin, behind;

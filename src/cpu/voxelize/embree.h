@@ -15,8 +15,7 @@
  */
 ost_status ost_embree_available(ost_error *err);
 
-/* A mesh that is prepared for casting rays. The object refers to the mesh, which must outlive the object.
-   ost_embree_free accepts NULL. */
+/* A search structure for casting rays at a mesh. The mesh must outlive the structure. ost_embree_free accepts NULL. */
 typedef struct ost_embree ost_embree;
 ost_status ost_embree_new(const ost_snapped_mesh *mesh, int threads, ost_embree **out, ost_error *err);
 void ost_embree_free(ost_embree *embree);

@@ -150,7 +150,7 @@ static inline __m512i ranks_of(const rank_tables *t, __m512i fraction)
 }
 
 enum { PIECE = 128 };
-/* The positions of the bricks of a piece in their windows. */
+/* For each of up to PIECE bricks, the position of the brick in its window. */
 typedef struct places {
     _Alignas(64) uint32_t rank[3][PIECE];
     /* Let (x, y, z) be the voxel of the window that contains the least coordinate of the brick. `bit` is x. `row` is

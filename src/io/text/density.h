@@ -4,8 +4,8 @@
  * contains the next eight bytes of the text; the first of them is the lowest byte of w. The density has n bytes.
  *
  *   bytes    1 0 4 3 \n - 5 7       x = w ^ "\n\n\n\n\n\n\n\n"
- *   The first newline is the first zero byte of x, which contains the lowest set
- *   bit of (x - 01..01) & ~x & 80..80.  (A borrow sets bits only in higher bytes.)
+ *   The first newline is the first zero byte of x. The lowest set bit of
+ *   (x - 01..01) & ~x & 80..80 lies in this byte.  (A borrow sets bits only in higher bytes.)
  *
  *   w << 8 (8 - n)   . . . . 1 0 4 3     the last digit moves to the highest byte
  *   ^ '0'            digits become 0 to 9; the bytes below the digits are masked off

@@ -256,7 +256,7 @@ static ost_status reserve_clusters(ost_gl_store *store, int32_t count, ost_error
     return OST_OK;
 }
 
-/* Returns the shown voxels of a block as words, or NULL if there is no such block. */
+/* Returns the occupancy of the block at (x, y, z), or NULL if there is no such block. */
 static const uint32_t *words_at(const ost_surface *s, int32_t x, int32_t y, int32_t z)
 {
     const ost_surface_block *b = ost_surface_block_at(s, x, y, z);

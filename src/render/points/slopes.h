@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Computes shades from fields. The slopes are read point by point and then converted to shades, sixteen points at a
- * time if the registers are wide enough. Float operations have a fixed order, and each is rounded separately:
+ * time if the registers are wide enough. Float operations have a fixed order, and each is rounded separately. Let
+ * `fine` and `wide` be the slopes of the fine and of the wide field at a voxel, and f and w the values of these fields:
  *
- *   fine, wide slope --their angle--> share t of the wide slope
- *   (1 - t) fine / |fine| + t wide / |wide| --> normal
- *   openness from the fine value, openness from both values --mixed with the share t--> openness
+ *   angle between fine and wide                           --> t, the share of wide
+ *   (1 - t) fine / |fine| + t wide / |wide|               --> normal
+ *   (1 - t) openness from f + t openness from 2 w - f     --> openness
  *
  * The value of a field at a voxel depends on two quantities: the openness of the voxel, and its distance from the
- * smooth surface. Let f be the value of the fine field and w that of the wide field. Across a plane, w rises half as
- * fast as f, so 2 w - f is independent of the voxel's distance: it is half of the maximum on a plane, less on an edge,
- * and more in a hollow.
+ * smooth surface. Across a plane, w rises half as fast as f, so 2 w - f is independent of the voxel's distance: it is
+ * half of the maximum on a plane, less on an edge, and more in a hollow.
  */
 #ifndef OST_RENDER_SLOPES_H
 #define OST_RENDER_SLOPES_H

@@ -56,7 +56,7 @@ void ost_field_slice_scalar(const ost_field_slice *const y[9], uint64_t rows, os
 
 OST_CELLS_DEFINE(scalar)
 
-/* Returns 3/4 near + 1/4 far, for words less than 2^14. */
+/* Returns (3 near + far) / 4, rounded to nearest. Both arguments must be less than 2^14. */
 static inline uint16_t between(uint16_t near, uint16_t far)
 {
     return (uint16_t)((3 * near + far + 2) >> 2);

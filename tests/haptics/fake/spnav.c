@@ -48,7 +48,7 @@ int spnav_poll_event(void *event)
 {
     const int at = fake_spnav_feed.taken;
     if (atomic_fetch_add(&fake_spnav.frames, 1) + 1 == fake_spnav.hang_at && pair[1] >= 0) {
-        close(pair[1]); /* This simulates the end of the daemon. */
+        close(pair[1]); /* This simulates the termination of the daemon. */
         pair[1] = -1;
     }
     if (at == fake_spnav_feed.count)

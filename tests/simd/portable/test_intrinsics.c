@@ -2,7 +2,7 @@
 /*
  * Tests the intrinsics that immintrin.h supplies. On every machine, hashes of their results are compared with hashes
  * that were recorded on a processor with the instructions. If this machine's processor has the instructions, the
- * results are also compared with those of the instructions.
+ * results of the instructions are tested in the same way.
  *
  * To add an intrinsic, run the test on a processor with AVX-512. The test fails and prints the hash to record in
  * cases.c.
