@@ -21,6 +21,7 @@
 #include <string.h>
 
 #include "core/backend.h"
+#include "core/vector.h"
 
 /* distance from the axis, in m; a point nearer to the axis gets the cutting speed at this distance */
 #define NEAR_AXIS 1e-3
@@ -31,18 +32,6 @@ typedef int32_t four_integers __attribute__((vector_size(16)));
 
 /* Maximum reach of a tool in voxels. Beyond this reach, positions in float are not accurate enough. */
 #define REACH_MAX 32768.0
-
-double ost_dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-void ost_cross(const double a[3], const double b[3], double out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 void ost_turn_of(const double q[4], double turn[3][3])
 {
@@ -56,7 +45,7 @@ void ost_turn_of(const double q[4], double turn[3][3])
 void ost_into_bone(const contact_pose *pose, const double v[3], double out[3])
 {
     for (int a = 0; a < 3; a++)
-        out[a] = ost_dot(pose->turn[a], v);
+        out[a] = ost_vector_dot(pose->turn[a], v);
 }
 
 void ost_into_tool(const contact_pose *pose, const double v[3], double out[3])
@@ -82,7 +71,7 @@ void ost_contact_shell_make(const ost_shell *shell, const ost_force_params *para
         out->against[1][i] = radius > 0 ? (float)(p->at[0] / radius) : 0;
         out->area[i] = (float)p->area;
         out->edge[i] = p->cutting;
-        const double away = sqrt(ost_dot(p->at, p->at)) + spacing;
+        const double away = sqrt(ost_vector_dot(p->at, p->at)) + spacing;
         out->reach = away > out->reach ? away : out->reach;
     }
     ost_contact_shell_speed(out, params);

@@ -57,8 +57,6 @@ typedef struct contact {
     int16_t found[OST_SHELL_MAX];
 } contact;
 
-double ost_dot(const double a[3], const double b[3]);
-void ost_cross(const double a[3], const double b[3], double out[3]);
 /* Computes the rotation matrix of the quaternion w, x, y, z. The quaternion may have any length except 0. */
 void ost_turn_of(const double q[4], double turn[3][3]);
 void ost_into_bone(const contact_pose *pose, const double v[3], double out[3]);

@@ -12,14 +12,12 @@
  *   cutting ratio * f, supplies this power at the speed of the point.  A contact therefore acts as a damper
  *   and not as a spring, and cannot oscillate.  The equation is solved for the end of the tick (balance.h).
  *
- *   If turn_stiffness is not 0, a spring and a damper also couple the orientation
- *   of the tool to that of the device. The equation then has three more rows, for
- *   the torques.
+ *   If turn_stiffness is not 0, a spring and a damper also couple the orientation of the tool to that of the device.
+ *   The equation then has three more rows, for the torques.
  *
  *   instant   f = layer stiffness * (density / reference)^2 * area * depth
  *
- *   The sum of the stiffness of all points is limited to the stiffness of the
- *   coupling.
+ *   The sum of the stiffness of all points is limited to the stiffness of the coupling.
  *
  * All computations use the tool's frame (contact.h); the results are rotated into the bone's frame.
  */
@@ -30,6 +28,7 @@
 #include <string.h>
 
 #include "core/backend.h"
+#include "core/vector.h"
 #include "force/balance.h"
 #include "force/contact.h"
 #include "force/params.h"
@@ -223,8 +222,8 @@ static void sum_up(ost_force *f, double period, ost_force_result *out)
         const double push[3] = {size * shell->inward[0][i], size * shell->inward[1][i], size * shell->inward[2][i]};
         const double across[3] = {cutting * shell->against[0][i], cutting * shell->against[1][i], 0};
         double a[3], b[3];
-        ost_cross(r, push, a);
-        ost_cross(r, across, b);
+        ost_vector_cross(r, push, a);
+        ost_vector_cross(r, across, b);
         for (int d = 0; d < 3; d++) {
             normal[d] += push[d];
             pull[d] += across[d];
@@ -290,12 +289,12 @@ static void gather(ost_force *f, int axes, const double turn[3])
         const double r[3] = {shell->at[0][i], shell->at[1][i], shell->at[2][i]};
         const double n[3] = {-(double)shell->inward[0][i], -(double)shell->inward[1][i], -(double)shell->inward[2][i]};
         double arm[3];
-        ost_cross(r, n, arm);
+        ost_vector_cross(r, n, arm);
         const double share = ost_force_density(&f->params, c->density[k]) / f->params.reference_density,
                      most = shell->area[i] * OST_RIGID;
         const double b = shell->cutting[i] ? shell->give[i] * share * share : shell->give[i];
         e->b[k] = share <= 0 && shell->cutting[i] ? 0 : b < most ? b : most;
-        e->given[k] = ost_dot(turn, arm);
+        e->given[k] = ost_vector_dot(turn, arm);
         for (int a = 0; a < 3; a++) {
             e->j[a][k] = n[a];
             e->j[3 + a][k] = arm[a];
@@ -368,8 +367,8 @@ static ost_status by_energy(ost_force *f, const ost_pose *device, const double t
         ost_balance_solve(&f->balance, u);
         /* In each part of the tick, the tool moves at most half a voxel, because bone is looked up only one voxel
            ahead. */
-        const double turned = turns ? sqrt(ost_dot(u + 3, u + 3)) * shell->reach : 0,
-                     far = (sqrt(ost_dot(u, u)) + turned) * left;
+        const double turned = turns ? sqrt(ost_vector_dot(u + 3, u + 3)) * shell->reach : 0,
+                     far = (sqrt(ost_vector_dot(u, u)) + turned) * left;
         const double share = far > f->spacing / 2 ? f->spacing / 2 / far : 1;
         double v[3];
         ost_into_bone(&f->grip.pose, u, v);

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "force/contact.h"
+#include "core/vector.h"
 #include "force/vibration.h"
 
 void ost_turn_between(const double a[4], const double b[4], double out[3])
@@ -13,7 +13,7 @@ void ost_turn_between(const double a[4], const double b[4], double out[3])
     const double real = b[0] * w - b[1] * x - b[2] * y - b[3] * z;
     const double imaginary[3] = {b[0] * x + b[1] * w + b[2] * z - b[3] * y, b[0] * y - b[1] * z + b[2] * w + b[3] * x,
                                  b[0] * z + b[1] * y - b[2] * x + b[3] * w};
-    const double n = sqrt(real * real + ost_dot(imaginary, imaginary));
+    const double n = sqrt(real * real + ost_vector_dot(imaginary, imaginary));
     for (int i = 0; i < 3; i++)
         out[i] = (real < 0 ? -2 : 2) * imaginary[i] / n;
 }
