@@ -258,19 +258,13 @@ static bool is_live(bridge *b)
 
 static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
 {
-    double at[3], q[4], force[3], torque[3] = {0}, length = 0;
+    double at[3], q[4], force[3], torque[3] = {0};
     if (b->limp) {
         ost_haptic_clutch_engage_at(&b->clutch, &b->last.state.pose);
         b->limp = false;
         b->engaged_once = true;
     }
-    ost_pose_to_doubles(&sample->state.pose, at, q);
-    for (int i = 0; i < 3; i++)
-        at[i] *= 1e-3;
-    for (int i = 0; i < 4; i++)
-        length += q[i] * q[i];
-    for (int i = 0; i < 4; i++)
-        q[i] /= sqrt(length);
+    ost_haptic_pose_to_metres(&sample->state.pose, at, q);
     b->given = ost_haptic_clutch_pose(&b->clutch, at, q);
     follow_speed(b, &b->given);
     speak(b, sample, LINK_SEEN);

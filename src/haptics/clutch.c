@@ -5,14 +5,6 @@
 
 #include "core/quaternion.h"
 
-void ost_haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4])
-{
-    ost_pose_to_doubles(pose, at, q);
-    ost_quaternion_unit(q);
-    for (int i = 0; i < 3; i++)
-        at[i] *= 1e-3;
-}
-
 haptic_clutch ost_haptic_clutch_make(const ost_pose *start, double scale)
 {
     haptic_clutch c = {.scale = scale, .world = {1, 0, 0, 0}};

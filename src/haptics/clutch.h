@@ -24,9 +24,6 @@ typedef struct haptic_clutch {
     bool engaged, laid;
 } haptic_clutch;
 
-/* Converts a pose to metres and a quaternion of length 1. */
-void ost_haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
-
 haptic_clutch ost_haptic_clutch_make(const ost_pose *start, double scale);
 /*
  * Aligns the body's frame with the tool's start pose, regardless of the body's first orientation. Drivers call this

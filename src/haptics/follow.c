@@ -6,18 +6,6 @@
 static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
 static const double TURN = 0.0188;            /* maximum rotation per tick in radians: three revolutions per second */
 
-void ost_haptic_follow_take(const ost_pose *pose, double at[3], double q[4])
-{
-    double mm[3], n = 0;
-    ost_pose_to_doubles(pose, mm, q);
-    for (int i = 0; i < 4; i++)
-        n += q[i] * q[i];
-    for (int i = 0; i < 4; i++)
-        q[i] /= sqrt(n);
-    for (int i = 0; i < 3; i++)
-        at[i] = mm[i] * 1e-3;
-}
-
 static void approach_position(haptic_follow *f, const double to[3], double step_m)
 {
     double d[3], length = 0;

@@ -13,8 +13,6 @@ typedef struct haptic_follow {
     double q[4];  /* unit quaternion w x y z */
 } haptic_follow;
 
-/* Converts a pose to metres and a unit quaternion. */
-void ost_haptic_follow_take(const ost_pose *pose, double at[3], double q[4]);
 /*
  * Advances by one tick of 1 ms toward a pose. The motion is at most step_m metres. The rotation takes the shorter arc
  * and is at most three revolutions per second.

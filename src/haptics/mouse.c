@@ -90,7 +90,7 @@ static ost_status mouse_open(const char *options, const ost_haptic_setup *setup,
     if (!m.input)
         return ost_fail(err, OST_ERR_USAGE, "device mouse: needs a window; omit --headless");
     const ost_haptic_state *start = latest(m.input);
-    ost_haptic_follow_take(&start->pose, m.tool_pose.at, m.tool_pose.q);
+    ost_haptic_pose_to_metres(&start->pose, m.tool_pose.at, m.tool_pose.q);
     m.tool = start->tool;
     *out = malloc(sizeof **out);
     if (!*out)
@@ -110,7 +110,7 @@ static ost_haptic_answer mouse_read(haptic_instance *m, ost_haptic_state *state)
     const uint32_t lifts = m->input->lifts[m->input->newest.front];
     const bool lifted = lifts != m->lifts;
     double to[3], toward[4];
-    ost_haptic_follow_take(&input->pose, to, toward);
+    ost_haptic_pose_to_metres(&input->pose, to, toward);
     if (input->tool != m->tool || lifted) {
         /* After a change of tools or a lift, the tool takes its new pose at once, without intermediate steps. */
         memcpy(m->tool_pose.at, to, sizeof to);

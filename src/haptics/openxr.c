@@ -100,7 +100,7 @@ static ost_haptic_answer openxr_read(haptic_instance *o, ost_haptic_state *state
     o->tracked = sample->tracked;
     if (!sample->tracked)
         return OST_HAPTIC_NOT_TRACKED;
-    ost_haptic_follow_take(&sample->pose, to, toward);
+    ost_haptic_pose_to_metres(&sample->pose, to, toward);
     if (lifted) {
         memcpy(o->tool.at, to, sizeof to);
         memcpy(o->tool.q, toward, sizeof toward);

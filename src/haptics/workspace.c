@@ -29,6 +29,14 @@ haptic_workspace ost_haptic_workspace_make(const ost_pose *start, const int axes
     return w;
 }
 
+void ost_haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4])
+{
+    ost_pose_to_doubles(pose, at, q);
+    ost_quaternion_unit(q);
+    for (int i = 0; i < 3; i++)
+        at[i] *= 1e-3;
+}
+
 /* A pose whose quaternion is zero is invalid; callers treat it as a fault. */
 static const ost_pose NO_POSE;
 

@@ -35,6 +35,8 @@ haptic_workspace ost_haptic_workspace_make(const ost_pose *start, const int axes
 ost_pose ost_haptic_workspace_pose(const haptic_workspace *workspace, const double position[3],
                                    const double frame[3][3]);
 
+/* Converts a pose to metres and a quaternion of length 1. */
+void ost_haptic_pose_to_metres(const ost_pose *pose, double at[3], double q[4]);
 /* Converts a position in metres and a quaternion w x y z to an integer pose. The result is invalid
    if a value is not finite or is too large. */
 ost_pose ost_haptic_pose_quantise(const double at[3], const double q[4]);
