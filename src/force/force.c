@@ -28,6 +28,7 @@
 #include <string.h>
 
 #include "core/backend.h"
+#include "core/quaternion.h"
 #include "core/vector.h"
 #include "force/balance.h"
 #include "force/contact.h"
@@ -135,10 +136,9 @@ ost_status ost_force_refresh(const ost_force *force, ost_error *err)
 
 static void take_direction(ost_force *f, const ost_pose *pose)
 {
-    const double q[4] = {pose->qw, pose->qx, pose->qy, pose->qz},
-                 length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int i = 0; i < 4; i++)
-        f->grip.facing[i] = q[i] / length;
+    const double q[4] = {pose->qw, pose->qx, pose->qy, pose->qz};
+    memcpy(f->grip.facing, q, sizeof q);
+    ost_quaternion_unit(f->grip.facing);
     ost_turn_of(f->grip.facing, f->grip.pose.turn);
 }
 
@@ -193,9 +193,8 @@ static void turn_tool(ost_force *f, const double w[3], double dt)
     const double next[4] = {
         q[0] - q[1] * h[0] - q[2] * h[1] - q[3] * h[2], q[1] + q[0] * h[0] + q[2] * h[2] - q[3] * h[1],
         q[2] + q[0] * h[1] + q[3] * h[0] - q[1] * h[2], q[3] + q[0] * h[2] + q[1] * h[1] - q[2] * h[0]};
-    const double length = sqrt(next[0] * next[0] + next[1] * next[1] + next[2] * next[2] + next[3] * next[3]);
-    for (int i = 0; i < 4; i++)
-        f->grip.facing[i] = next[i] / length;
+    memcpy(f->grip.facing, next, sizeof next);
+    ost_quaternion_unit(f->grip.facing);
     ost_turn_of(f->grip.facing, f->grip.pose.turn);
 }
 

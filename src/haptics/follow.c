@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "core/quaternion.h"
+
 static const double FOLLOW = 0.0645;          /* fraction of the remaining distance per tick: 1 - exp(-1 ms / 15 ms) */
 static const double TURN = 0.0188;            /* maximum rotation per tick in radians: three revolutions per second */
 
@@ -22,17 +24,14 @@ static void approach_position(haptic_follow *f, const double to[3], double step_
    TURN. The quaternions q and -q denote the same orientation. */
 static void approach_turn(haptic_follow *f, const double to[4])
 {
-    double cosine = 0, n = 0;
+    double cosine = 0;
     for (int i = 0; i < 4; i++)
         cosine += f->q[i] * to[i];
     const double sign = cosine < 0 ? -1 : 1, angle = 2 * acos(fmin(1, fabs(cosine)));
     const double share = angle * FOLLOW > TURN ? TURN / angle : FOLLOW;
-    for (int i = 0; i < 4; i++) {
-        f->q[i] += (sign * to[i] - f->q[i]) * share;
-        n += f->q[i] * f->q[i];
-    }
     for (int i = 0; i < 4; i++)
-        f->q[i] /= sqrt(n);
+        f->q[i] += (sign * to[i] - f->q[i]) * share;
+    ost_quaternion_unit(f->q);
 }
 
 void ost_haptic_follow_tick(haptic_follow *f, const double to[3], const double toward[4], double step_m)

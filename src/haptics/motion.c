@@ -17,6 +17,7 @@
 
 #include <osteon/io.h>
 
+#include "core/quaternion.h"
 #include "haptics/clutch.h"
 #include "haptics/driver.h"
 
@@ -95,19 +96,16 @@ static ost_status motion_open(const char *options, const ost_haptic_setup *setup
 /* Interpolates from a to b along the shorter arc (spherical linear interpolation). */
 static void slerp(const double a[4], const double b[4], double share, double out[4])
 {
-    double dot = 0, length = 0;
+    double dot = 0;
     for (int i = 0; i < 4; i++)
         dot += a[i] * b[i];
     const double side = dot < 0 ? -1 : 1, angle = acos(fmin(1, fabs(dot)));
     /* For angles below one milliradian, the arc and the chord agree to 1e-7. */
     const double wa = angle < 1e-3 ? 1 - share : sin((1 - share) * angle) / sin(angle);
     const double wb = angle < 1e-3 ? share : sin(share * angle) / sin(angle);
-    for (int i = 0; i < 4; i++) {
-        out[i] = wa * a[i] + side * wb * b[i];
-        length += out[i] * out[i];
-    }
     for (int i = 0; i < 4; i++)
-        out[i] /= sqrt(length);
+        out[i] = wa * a[i] + side * wb * b[i];
+    ost_quaternion_unit(out);
 }
 
 static ost_haptic_answer motion_read(haptic_instance *m, ost_haptic_state *state)

@@ -11,12 +11,8 @@ static const double A_PIXEL = 0.006; /* rotation in radians per pixel */
 sim_handle sim_handle_at(const ost_pose *pose, int32_t tool)
 {
     sim_handle handle = {.tool = tool};
-    double n = 0;
     ost_pose_to_doubles(pose, handle.at, handle.q);
-    for (int i = 0; i < 4; i++)
-        n += handle.q[i] * handle.q[i];
-    for (int i = 0; i < 4; i++)
-        handle.q[i] /= sqrt(n);
+    ost_quaternion_unit(handle.q);
     return handle;
 }
 
