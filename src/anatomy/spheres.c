@@ -131,12 +131,6 @@ static void smooth(search *s)
     }
 }
 
-static double distance(const double a[3], const double b[3])
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(ost_vector_dot(d, d));
-}
-
 /* Finds the cell with the most votes, and sets all cells near it to 0. Returns false if all cells are 0. */
 static bool next_maximum(search *s, double centre[3])
 {
@@ -274,7 +268,7 @@ static bool refine(const search *s, fitted *f, double (*inliers)[3])
     if (s->options->has_near) {
         const double near[3] = {ost_pm_to_mm(s->options->near.x), ost_pm_to_mm(s->options->near.y),
                                 ost_pm_to_mm(s->options->near.z)};
-        if (distance(near, f->centre) > ost_pm_to_mm(s->options->reach))
+        if (ost_vector_distance(near, f->centre) > ost_pm_to_mm(s->options->reach))
             return false;
     }
     return s->options->concave ? f->area >= AREA_MIN_MM2 : f->coverage >= COVERAGE_MIN;
@@ -290,7 +284,7 @@ static void insert(const search *s, const fitted *f, fitted *list, int *count)
     int kept = 0, at = 0;
     for (int i = 0; i < *count; i++) {
         const bool better = (s->options->concave ? list[i].area : list[i].coverage) >= score;
-        if (distance(list[i].centre, f->centre) < APART_MM) {
+        if (ost_vector_distance(list[i].centre, f->centre) < APART_MM) {
             if (better)
                 return;
             continue;

@@ -14,6 +14,8 @@
 
 #include <osteon/force.h>
 
+#include "core/vector.h"
+
 void ost_safety_begin(ost_safety *safety, const ost_safety_params *params)
 {
     *safety = (ost_safety){.params = params ? *params : ost_safety_defaults()};
@@ -29,15 +31,10 @@ void ost_safety_stop(ost_safety *safety)
     memset(safety->applied, 0, sizeof safety->applied);
 }
 
-static double size_of(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* Limits the length of a vector to the value `most`. The limit is smooth: short vectors hardly change. */
 static void saturate(double v[3], double most)
 {
-    const double share = size_of(v) / most, down = most > 0 ? 1 / sqrt(1 + share * share) : 0;
+    const double share = ost_vector_length(v) / most, down = most > 0 ? 1 / sqrt(1 + share * share) : 0;
     for (int a = 0; a < 3; a++)
         v[a] *= down;
 }
@@ -45,7 +42,7 @@ static void saturate(double v[3], double most)
 static void slew(double v[3], const double last[3], double most)
 {
     double d[3] = {v[0] - last[0], v[1] - last[1], v[2] - last[2]};
-    const double size = size_of(d);
+    const double size = ost_vector_length(d);
     for (int a = 0; a < 3 && size > most; a++)
         v[a] = last[a] + d[a] * most / size;
 }
@@ -113,7 +110,7 @@ ost_safety_answer ost_safety_step(ost_safety *safety, const ost_pose *device, bo
     memcpy(s->last, force_n, sizeof s->last);
     memcpy(s->last_torque, torque_nm, sizeof s->last_torque);
     passivity(s, moved, period_s, force_n);
-    const double size = size_of(force_n);
+    const double size = ost_vector_length(force_n);
     for (int a = 0; a < 3 && size > s->params.max_force_n; a++)
         force_n[a] *= s->params.max_force_n / size;
     memcpy(s->applied, force_n, sizeof s->applied);

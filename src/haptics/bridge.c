@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include "core/clock.h"
+#include "core/vector.h"
 #include "haptics/clutch.h"
 #include "haptics/driver.h"
 #include "haptics/newest.h"
@@ -192,11 +193,6 @@ static void *run_network(void *user)
 
 /* --------------------------------------------------------------- the tick */
 
-static double length_of(const double v[3])
-{
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
 /* Updates the tool's speed from its current position and its position at the previous tick. */
 static void follow_speed(bridge *b, const ost_pose *tool)
 {
@@ -212,7 +208,8 @@ static void follow_speed(bridge *b, const ost_pose *tool)
 void ost_bridge_press(const link_packet *s, const double hand[3], const double speed[3], double most_stiffness,
                       double force[3])
 {
-    const double f[3] = {s->force_un[0] * 1e-6, s->force_un[1] * 1e-6, s->force_un[2] * 1e-6}, size = length_of(f);
+    const double f[3] = {s->force_un[0] * 1e-6, s->force_un[1] * 1e-6, s->force_un[2] * 1e-6};
+    const double size = ost_vector_length(f);
     const double at[3] = {(double)s->pose.t.x * 1e-12, (double)s->pose.t.y * 1e-12, (double)s->pose.t.z * 1e-12};
     memset(force, 0, 3 * sizeof *force);
     if (!(size > 1e-6))
@@ -272,7 +269,7 @@ static void hold(bridge *b, const ost_servo_sample *sample, ost_wrench *wrench)
     ost_haptic_clutch_vector(&b->clutch, force, wrench->force_n);
     ost_safety_step(&b->safety, &sample->state.pose, !sample->declared, sample->state.buttons, PERIOD_S,
                     wrench->force_n, torque);
-    b->report->peak_n = fmax(b->report->peak_n, length_of(wrench->force_n));
+    b->report->peak_n = fmax(b->report->peak_n, ost_vector_length(wrench->force_n));
 }
 
 static bool tick(void *user, const ost_servo_sample *sample, ost_wrench *wrench)

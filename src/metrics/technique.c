@@ -13,17 +13,13 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "core/vector.h"
+
 #define GAP_S 0.2
 #define PASS_GAP_S 0.5
 #define WINDOW_S 0.05
 #define PLACE_S 0.02
 #define FELT_N 0.05
-
-static double distance(const double a[3], const double b[3])
-{
-    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
-    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-}
 
 static bool touches(const ost_motion *m)
 {
@@ -156,7 +152,7 @@ ost_status ost_technique_make(const ost_motion *motion, size_t count, const ost_
         if (motion[i].tool != motion[previous].tool) {
             previous = i; /* the distance between the positions of two tools is not part of the path */
         } else if (motion[i].t_s - motion[previous].t_s >= PLACE_S - 1e-9 || i + 1 == count) {
-            const double way = distance(motion[i].mm, motion[previous].mm);
+            const double way = ost_vector_distance(motion[i].mm, motion[previous].mm);
             out->path_mm += way;
             out->contact_path_mm += in[i] && in[previous] ? way : 0;
             previous = i;
