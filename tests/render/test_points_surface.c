@@ -7,22 +7,13 @@
  */
 #include "points_volume.h"
 
-/*
- * Returns the amount of bone around a voxel. The amount is a sum over the voxel's neighbourhood and is
- * rounded after each axis, as shading.h specifies.
- */
-static int field(const ost_volume *v, int i, int j, int k)
+/* The amount of bone at a position of a grid. */
+typedef int amount(const ost_volume *v, int i, int j, int k);
+
+/* Returns 63 if the voxel is active, and 0 otherwise. */
+static int voxel(const ost_volume *v, int i, int j, int k)
 {
-    static const int weight[9] = {1, 2, 3, 4, 5, 4, 3, 2, 1};
-    int sum = 0;
-    for (int a = -4; a <= 4; a++) {
-        int slice = 0;
-        for (int c = -4; c <= 4; c++)
-            for (int b = -4; b <= 4; b++)
-                slice += active(v, i + a, j + b, k + c) ? 63 * weight[b + 4] * weight[c + 4] : 0;
-        sum += (slice + 8) / 16 * weight[a + 4];
-    }
-    return sum;
+    return active(v, i, j, k) ? 63 : 0;
 }
 
 /* Returns the amount of bone in the cell (i, j, k) of 2^3 voxels: 0 if no voxel is active, 63 if all voxels are
@@ -31,11 +22,15 @@ static int cell(const ost_volume *v, int i, int j, int k)
 {
     int sum = 0;
     for (int n = 0; n < 8; n++)
-        sum += active(v, 2 * i + (n & 1), 2 * j + (n >> 1 & 1), 2 * k + (n >> 2)) ? 63 : 0;
+        sum += voxel(v, 2 * i + (n & 1), 2 * j + (n >> 1 & 1), 2 * k + (n >> 2));
     return (sum + 4) / 8;
 }
 
-static int field_of_cells(const ost_volume *v, int i, int j, int k)
+/*
+ * Returns the amount of bone around a position: the weighted sum of `at` over the neighbourhood, rounded after each
+ * axis, as shading.h specifies.
+ */
+static int around(amount *at, const ost_volume *v, int i, int j, int k)
 {
     static const int weight[9] = {1, 2, 3, 4, 5, 4, 3, 2, 1};
     int sum = 0;
@@ -43,7 +38,7 @@ static int field_of_cells(const ost_volume *v, int i, int j, int k)
         int slice = 0;
         for (int c = -4; c <= 4; c++)
             for (int b = -4; b <= 4; b++)
-                slice += cell(v, i + a, j + b, k + c) * weight[b + 4] * weight[c + 4];
+                slice += at(v, i + a, j + b, k + c) * weight[b + 4] * weight[c + 4];
         sum += (slice + 8) / 16 * weight[a + 4];
     }
     return sum;
@@ -61,8 +56,8 @@ static int wide(const ost_volume *v, int i, int j, int k)
         int y[2];
         for (int b = 0; b < 2; b++) {
             const int at[2] = {c[0] + a * far[0], c[1] + b * far[1]};
-            y[b] = (3 * ((field_of_cells(v, at[0], at[1], c[2]) + 2) / 4) +
-                    (field_of_cells(v, at[0], at[1], c[2] + far[2]) + 2) / 4 + 2) /
+            y[b] = (3 * ((around(cell, v, at[0], at[1], c[2]) + 2) / 4) +
+                    (around(cell, v, at[0], at[1], c[2] + far[2]) + 2) / 4 + 2) /
                    4;
         }
         x[a] = (3 * y[0] + y[1] + 2) / 4;
@@ -74,13 +69,16 @@ static uint32_t shade_of(const ost_volume *v, int i, int j, int k)
 {
     const uint32_t open = faces(v, i, j, k);
     const float f[3] = {
-        (float)(field(v, i - 1, j, k) - field(v, i + 1, j, k) + 160 * ((int)(open >> 1 & 1) - (int)(open & 1))),
-        (float)(field(v, i, j - 1, k) - field(v, i, j + 1, k) + 160 * ((int)(open >> 3 & 1) - (int)(open >> 2 & 1))),
-        (float)(field(v, i, j, k - 1) - field(v, i, j, k + 1) + 160 * ((int)(open >> 5 & 1) - (int)(open >> 4 & 1)))};
+        (float)(around(voxel, v, i - 1, j, k) - around(voxel, v, i + 1, j, k) +
+                160 * ((int)(open >> 1 & 1) - (int)(open & 1))),
+        (float)(around(voxel, v, i, j - 1, k) - around(voxel, v, i, j + 1, k) +
+                160 * ((int)(open >> 3 & 1) - (int)(open >> 2 & 1))),
+        (float)(around(voxel, v, i, j, k - 1) - around(voxel, v, i, j, k + 1) +
+                160 * ((int)(open >> 5 & 1) - (int)(open >> 4 & 1)))};
     const float w[3] = {(float)(wide(v, i - 1, j, k) - wide(v, i + 1, j, k)),
                         (float)(wide(v, i, j - 1, k) - wide(v, i, j + 1, k)),
                         (float)(wide(v, i, j, k - 1) - wide(v, i, j, k + 1))};
-    return shade_from(f, w, field(v, i, j, k), wide(v, i, j, k));
+    return shade_from(f, w, around(voxel, v, i, j, k), wide(v, i, j, k));
 }
 
 static void assert_surface(const ost_surface *s, const ost_volume *v)

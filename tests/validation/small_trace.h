@@ -30,4 +30,18 @@ static inline ost_status traced(ost_backend *backend, const scene *s, const char
     return OST_OK;
 }
 
+/* Makes the small scene with the given number and seed, and opens the trace of the reference as *ref. */
+static inline void traced_small(int number, uint64_t seed, scene *s, trace *ref)
+{
+    const plan_case c = {.family = PLAN_SMALL,
+                         .number = number,
+                         .seed = seed,
+                         .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
+    ost_backend *backend;
+    ost_error err = {0};
+    assert_ok(scene_make(&c, s, &err));
+    assert_ok(ost_backend_open("ref", &backend, &err));
+    traced(backend, s, "ref", ref);
+}
+
 #endif

@@ -266,17 +266,9 @@ static void classes_of_deliberate_mistakes(void **state)
     int seen[sizeof rows / sizeof rows[0]] = {0};
     (void)state;
     for (int number = 0; number < SCENES; number++) {
-        const plan_case c = {.family = PLAN_SMALL,
-                             .number = number,
-                             .seed = 7,
-                             .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
-        ost_backend *backend;
-        ost_error err = {0};
         scene s;
         trace ref;
-        assert_ok(scene_make(&c, &s, &err));
-        assert_ok(ost_backend_open("ref", &backend, &err));
-        traced(backend, &s, "ref", &ref);
+        traced_small(number, 7, &s, &ref);
         for (size_t r = 0; r < sizeof rows / sizeof rows[0]; r++) {
             const deviation how = {rows[r].kind, (uint64_t)number, rows[r].one_in};
             finding f;
@@ -288,9 +280,11 @@ static void classes_of_deliberate_mistakes(void **state)
             const bool is = strcmp(class, expected) == 0;
             seen[r] += is || strstr(rows[r].or, class);
             if (!is && !strstr(rows[r].or, class))
-                fail_msg("mistake %s in case %s: class %s (%s), expected %s", name, c.id, class, f.text, expected);
+                fail_msg("mistake %s in case small/%d: class %s (%s), expected %s", name, number, class, f.text,
+                         expected);
             if (d.kind == COMPARE_VOXEL && d.stage != TRACE_FINAL && d.stage != TRACE_UPLOAD && !f.operands.count)
-                fail_msg("mistake %s in case %s: no operands at %s %u", name, c.id, trace_stage_name(d.stage), d.item);
+                fail_msg("mistake %s in case small/%d: no operands at %s %u", name, number, trace_stage_name(d.stage),
+                         d.item);
             for (int i = 0; i < f.operands.count; i++)
                 assert_true(f.operands.lines[i].name[0] && f.operands.lines[i].value[0]);
         }

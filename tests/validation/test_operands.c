@@ -26,17 +26,9 @@ static void operands_give_voxel_value(void **state)
     test_rng rng = rng_seeded("operands_give_voxel_value");
     int solid = 0, removed = 0, kept = 0;
     for (int number = 0; number < SCENES; number++) {
-        const plan_case c = {.family = PLAN_SMALL,
-                             .number = number,
-                             .seed = 11,
-                             .id = {'s', 'm', 'a', 'l', 'l', '/', (char)('0' + number)}};
-        ost_backend *backend;
-        ost_error err = {0};
         scene s;
         trace ref;
-        assert_ok(scene_make(&c, &s, &err));
-        assert_ok(ost_backend_open("ref", &backend, &err));
-        traced(backend, &s, "ref", &ref);
+        traced_small(number, 11, &s, &ref);
         const compare_range all = compare_find(&ref, 0);
         for (size_t i = 0; i < all.count; i++) {
             const trace_record *r = &ref.records[all.first + i];
